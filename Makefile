@@ -1,0 +1,44 @@
+# `make demo` and `make test` need only Python 3.11 or newer with its venv module.
+PYTHON ?= python3
+VENV ?= .venv
+RUN := $(VENV)/bin/python -m
+INSTALL := $(RUN) pip install --quiet --disable-pip-version-check
+
+.PHONY: demo test slow lint bench clean
+
+$(VENV)/installed: pyproject.toml
+	$(PYTHON) -m venv $(VENV)
+	$(INSTALL) --editable .
+	touch $@
+
+$(VENV)/installed-test: $(VENV)/installed
+	$(INSTALL) --editable ".[test]"
+	touch $@
+
+$(VENV)/installed-lint: $(VENV)/installed-test
+	$(INSTALL) --editable ".[lint]"
+	touch $@
+
+demo: $(VENV)/installed
+	$(RUN) vtkmcvr demo
+
+test: $(VENV)/installed-test
+	$(RUN) pytest -m "not slow and not bench"
+
+# Long statistics, and the comparison with Mitsuba where it is installed
+slow: $(VENV)/installed-test
+	$(RUN) pytest -m slow
+
+lint: $(VENV)/installed-lint
+	$(RUN) ruff check .
+	$(VENV)/bin/lint-imports
+	$(RUN) mypy
+
+# Camera paths per second beside Mitsuba, in one run
+bench: $(VENV)/installed-test
+	$(INSTALL) --editable ".[peers]"
+	$(VENV)/bin/python tests/bench/bench_mitsuba.py
+
+clean:
+	rm -rf $(VENV) build dist *.egg-info
+	find . -name __pycache__ -prune -exec rm -rf {} +

@@ -1,0 +1,75 @@
+"""Physically based Monte Carlo volume rendering for VTK and PyVista.
+
+    import vtkmcvr
+    image = vtkmcvr.read("ct/")
+    picture = vtkmcvr.render(image, preset="ct-bone", samples=64)
+    picture.save("bone.png")
+
+Importing this package loads nothing heavy; each name is imported when it is first used.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+__version__ = "0.1.0"
+
+_HOME = {
+    "read": "readers",
+    "render": "front",
+    "scene_of": "front",
+    "render_scene": "render",
+    "Picture": "picture",
+    "Display": "picture",
+    "read_environment": "environment_files",
+    "Scene": "scene",
+    "Volume": "scene",
+    "TransferFunction": "scene",
+    "Surface": "scene",
+    "Camera": "scene",
+    "Lens": "scene",
+    "PixelFilter": "scene",
+    "Curve": "curves",
+    "ColourCurve": "curves",
+    "ConstantEnvironment": "lights",
+    "EnvironmentMap": "lights",
+    "RectangleLight": "lights",
+    "DirectionalLight": "lights",
+    "PointLight": "lights",
+    "head_phantom": "phantom",
+    "view_camera": "studio",
+}
+
+__all__ = ["__version__", *_HOME]
+
+if TYPE_CHECKING:
+    from .curves import ColourCurve, Curve
+    from .environment_files import read_environment
+    from .front import render, scene_of
+    from .lights import (
+        ConstantEnvironment,
+        DirectionalLight,
+        EnvironmentMap,
+        PointLight,
+        RectangleLight,
+    )
+    from .phantom import head_phantom
+    from .picture import Display, Picture
+    from .readers import read
+    from .render import render_scene
+    from .scene import Camera, Lens, PixelFilter, Scene, Surface, TransferFunction, Volume
+    from .studio import view_camera
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = getattr(importlib.import_module(f".{_HOME[name]}", __name__), name)
+    # `render` is a function here and a module below: the function wins
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

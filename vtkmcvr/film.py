@@ -1,0 +1,56 @@
+"""Film: running moments per pixel, and what they say about the error."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import packed
+
+Image = NDArray[np.float32]
+
+
+def new_film(width: int, height: int) -> packed.Film:
+    """Empty film of width x height pixels."""
+    plane, colour = (height, width), (height, width, 3)
+    return packed.Film(
+        count=np.zeros(plane, np.int64),
+        mean=np.zeros(colour, np.float64),
+        m2=np.zeros(colour, np.float64),
+        hits=np.zeros(plane, np.int64),
+        depth=np.zeros(plane, np.float64),
+        rejected=np.zeros(plane, np.int64),
+    )
+
+
+def alpha(film: packed.Film) -> Image:
+    """Share of samples that collided in the volume, (H, W), [0, 1]."""
+    return (film.hits / np.maximum(film.count, 1)).astype(np.float32)
+
+
+def depth(film: packed.Film) -> Image:
+    """Mean distance from camera to collision over the samples that collided, (H, W); inf where none did."""
+    return np.where(film.hits > 0, film.depth, np.inf).astype(np.float32)
+
+
+def standard_error(film: packed.Film) -> Image:
+    """Standard error of the mean radiance, (H, W, 3); inf below two samples, where it is unknown."""
+    n = film.count[..., None]
+    variance = film.m2 / np.maximum(n - 1, 1) / np.maximum(n, 1)
+    return np.where(n > 1, np.sqrt(variance), np.inf).astype(np.float32)
+
+
+def nrms(film: packed.Film) -> float:
+    """Estimated NRMS error of the radiance: RMS of the standard error over RMS of the truth.
+
+    The mean square of the estimate exceeds that of the truth by the error's, which is taken off. 0 for a
+    film that is black without doubt, inf where the error is unknown.
+    """
+    error = standard_error(film).astype(np.float64)
+    if not np.isfinite(error).all():
+        return float("inf")
+    noise = float(np.mean(error**2))
+    power = float(np.mean(film.mean**2)) - noise
+    if noise == 0:
+        return 0.0
+    return float(np.sqrt(noise / power)) if power > 0 else float("inf")

@@ -1,0 +1,194 @@
+"""The front door: a volume and a few words in, a picture out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from . import __version__, checks
+from .lights import Light
+from .picture import Display, Picture
+from .presets import Dressed, dress
+from .render import render_scene
+from .scene import Camera, Scene, TransferFunction, Volume
+from .schedule import Progress
+from .studio import view_camera
+from .volume_info import units
+from .vtk_scene import volume_of
+
+TECHNIQUES = ("monte-carlo",)
+# sRGB colour behind presets
+BACKDROP = (0.07, 0.08, 0.10)
+
+
+@dataclass(frozen=True)
+class View:
+    """Where the camera stands; see `vtkmcvr.studio.view_camera`."""
+
+    view: str = "front"
+    azimuth: float = 0.0
+    elevation: float = 0.0
+    roll: float = 0.0
+    zoom: float = 1.0
+
+
+def scene_of(
+    data: Any,
+    *,
+    preset: str | None = None,
+    transfer: TransferFunction | None = None,
+    camera: Camera | None = None,
+    lights: Sequence[Light] | None = None,
+    view: View | None = None,
+    size: tuple[int, int] = (800, 600),
+    shift: float | None = None,
+    **effects: Any,
+) -> Dressed:
+    """Scene of a volume: a look, with any part of it replaced.
+
+    Parameters
+    ----------
+    data : vtkImageData, pyvista.ImageData or Volume
+    preset : str, optional
+        One of `vtkmcvr.presets.LOOKS`. Default: chosen from the values.
+    transfer, camera, lights : optional
+        Instead of the look's.
+    view : View, optional
+        Where to look from, without `camera`.
+    size : (width, height)
+        Pixels.
+    shift : float, optional
+        Number to add to the values to get HU. Default: 0 for HU, else detected.
+    **effects
+        Other fields of `Scene`: surface, phase_g, shadow_reach, environment_visible, pixel_filter ...
+
+    Returns
+    -------
+    Dressed
+        The scene, its exposure, the name of the look, and notes.
+    """
+    volume = data if isinstance(data, Volume) else volume_of(data)
+    known = units(data) if not isinstance(data, Volume) else ""
+    width = checks.whole("film width", size[0], least=1)
+    height = checks.whole("film height", size[1], least=1)
+    if camera is None:
+        place = view or View()
+        camera = view_camera(
+            volume, place.view, azimuth=place.azimuth, elevation=place.elevation,
+            roll=place.roll, zoom=place.zoom, aspect=width / height,
+        )  # fmt: skip
+    dressed = dress(volume, camera, preset, units=known, shift=shift, size=(width, height))
+    changes = dict(effects)
+    if transfer is not None:
+        changes["transfer"] = transfer
+    if lights is not None:
+        changes["lights"] = tuple(lights)
+    return replace(dressed, scene=replace(dressed.scene, **changes)) if changes else dressed
+
+
+def render(
+    data: Any,
+    *,
+    technique: str = "monte-carlo",
+    samples: int | None = None,
+    seconds: float | None = None,
+    seed: int = 0,
+    threads: int | None = None,
+    exposure: float | None = None,
+    background: tuple[float, float, float] | None = BACKDROP,
+    progress: Callable[[Progress], object] | None = None,
+    abort: Callable[[], bool] | None = None,
+    **scene: Any,
+) -> Picture:
+    """Render a volume.
+
+    Parameters
+    ----------
+    data : vtkImageData, pyvista.ImageData, Volume or Scene
+    technique : {"monte-carlo"}
+    samples : int, optional
+        Samples per pixel. Default: 64, or unlimited with `seconds`.
+    seconds : float, optional
+        Time to render; with `samples`, whichever is met first.
+    seed : int
+        The same seed gives the same bits on any number of threads.
+    threads : int, optional
+        Default: all CPUs that the process may use.
+    exposure : float, optional
+        Stops. Default: the look's.
+    background : (r, g, b) or None
+        sRGB colour behind the volume, or None for a transparent picture.
+    progress, abort : callable, optional
+        See `vtkmcvr.render_scene`.
+    **scene
+        `preset`, `size`, `camera`, `lights` and all else that `scene_of` takes.
+
+    Returns
+    -------
+    Picture
+
+    Examples
+    --------
+    >>> picture = vtkmcvr.render(image, preset="ct-bone", size=(400, 300), samples=16)
+    """
+    if technique not in TECHNIQUES:
+        raise ValueError(f"technique is one of {', '.join(TECHNIQUES)}; got {technique!r}")
+    if isinstance(data, Scene):
+        dressed = Dressed(replace(data, **scene), 0.0, "none", ())
+    else:
+        dressed = scene_of(data, **scene)
+    picture = render_scene(
+        dressed.scene, samples=samples, seconds=seconds, seed=seed, threads=threads,
+        display=Display(dressed.exposure if exposure is None else exposure, background),
+        progress=progress, abort=abort,
+    )  # fmt: skip
+    return replace(picture, recipe=_recipe(picture, dressed, samples, seconds))
+
+
+def _recipe(
+    picture: Picture, dressed: Dressed, samples: int | None, seconds: float | None
+) -> dict[str, Any]:
+    """What was asked for, as plain JSON values; nothing of the volume's file or patient."""
+    volume, camera = dressed.scene.volume, dressed.scene.camera
+    return {
+        "version": __version__,
+        "technique": "monte-carlo",
+        "preset": dressed.preset,
+        "samples": samples,
+        "seconds": seconds,
+        "seed": picture.seed,
+        "size": list(picture.size),
+        "exposure": picture.display.exposure,
+        "background": picture.display.background,
+        "camera": {
+            "position": camera.position,
+            "focal_point": camera.focal_point,
+            "view_up": camera.view_up,
+            "view_angle": camera.view_angle,
+            "parallel_scale": camera.parallel_scale,
+        },
+        "volume": describe(volume),
+        "notes": [*dressed.notes, *picture.plan.notes],
+    }
+
+
+def describe(volume: Volume) -> dict[str, Any]:
+    """Dimensions, spacing, direction, origin and range of a volume, as plain JSON values."""
+    spacing = volume.spacing
+    values = volume.values
+    return {
+        "dimensions": list(volume.shape),
+        "spacing": spacing.tolist(),
+        "origin": volume.index_to_world[:3, 3].tolist(),
+        "direction": (volume.index_to_world[:3, :3] / spacing).tolist(),
+        "range": [_number(np.nanmin(values)), _number(np.nanmax(values))],
+        "type": str(values.dtype),
+    }
+
+
+def _number(x: Any) -> float | int | None:
+    x = x.item()
+    return x if np.isfinite(x) else None

@@ -1,0 +1,1 @@
+"""Numba kernels: plain functions over the NamedTuples of `vtkmcvr.packed`."""

@@ -1,0 +1,42 @@
+"""CPU launcher: one tile, serial, without the GIL."""
+
+import math
+
+import numpy as np
+
+from .camera import camera_ray
+from .jit import device, entry_point
+from .path import radiance
+from .rng import start
+
+
+@device
+def accumulate(film, row, column, L, hit, depth):
+    """Update the running moments of a pixel by one sample (Welford 1962)."""
+    n = film.count[row, column] + 1
+    film.count[row, column] = n
+    if not (math.isfinite(L[0]) and math.isfinite(L[1]) and math.isfinite(L[2])):
+        film.rejected[row, column] += 1
+        L = (np.float32(0.0), np.float32(0.0), np.float32(0.0))
+    weight = 1.0 / n
+    for c in range(3):
+        delta = L[c] - film.mean[row, column, c]
+        film.mean[row, column, c] += delta * weight
+        film.m2[row, column, c] += delta * (L[c] - film.mean[row, column, c])
+    if hit:
+        hits = film.hits[row, column] + 1
+        film.hits[row, column] = hits
+        film.depth[row, column] += (depth - film.depth[row, column]) / hits
+
+
+@entry_point
+def render_tile(film, scene, row_0, row_1, column_0, column_1, target, seed):
+    """Bring every pixel of a tile up to `target` samples; continues where the film is."""
+    width = film.count.shape[1]
+    for row in range(row_0, row_1):
+        for column in range(column_0, column_1):
+            for sample in range(film.count[row, column], target):
+                rng = start(seed, row * width + column, sample)
+                origin, direction, rng = camera_ray(scene.camera, scene.lens, column, row, rng)
+                L, hit, depth = radiance(scene, origin, direction, rng)
+                accumulate(film, row, column, L, hit, depth)

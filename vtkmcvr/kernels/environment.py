@@ -1,0 +1,115 @@
+"""Light from infinity: constant, or a latitude-longitude map sampled by its radiance.
+
+Local frame of a map: +y is up (row 0), columns run with atan2(x, -z). Pixels are values at texel centres,
+bilinear between them; a texel is chosen with the exact mean of that interpolant times its solid angle.
+"""
+
+import math
+
+import numpy as np
+
+from .jit import device
+from .rng import uniform
+from .vec import BLACK, transform
+from .warp import PI, TWO_PI
+
+f32 = np.float32
+ZERO, HALF, ONE = f32(0.0), f32(0.5), f32(1.0)
+
+
+@device
+def ambient_radiance(ambient):
+    """Radiance of the constant environment, from every direction."""
+    if ambient is None:
+        return BLACK
+    return ambient.radiance
+
+
+@device
+def map_position(environment, d):
+    """Column and row (texel units, continuous) of a world direction."""
+    rows, columns, _ = environment.pixels.shape
+    local = transform(environment.local_from_world, d)
+    phi = math.atan2(local[0], -local[2]) / TWO_PI
+    theta = math.acos(min(max(local[1], -ONE), ONE)) / PI
+    return (phi - f32(math.floor(phi))) * f32(columns), theta * f32(rows)
+
+
+@device
+def environment_radiance(environment, d):
+    """Radiance arriving from direction d, bilinear."""
+    if environment is None:
+        return BLACK
+    pixels = environment.pixels
+    rows, columns, _ = pixels.shape
+    x, y = map_position(environment, d)
+    x = x - HALF
+    if x < ZERO:
+        x += f32(columns)
+    y = min(max(y - HALF, ZERO), f32(rows - 1))
+    i = min(int(x), columns - 1)
+    j = min(int(y), rows - 1)
+    i1 = i + 1 if i + 1 < columns else 0
+    j1 = min(j + 1, rows - 1)
+    fx, fy = x - f32(i), y - f32(j)
+    a, b = (ONE - fx) * (ONE - fy), fx * (ONE - fy)
+    c, e = (ONE - fx) * fy, fx * fy
+    return (
+        pixels[j, i, 0] * a + pixels[j, i1, 0] * b + pixels[j1, i, 0] * c + pixels[j1, i1, 0] * e,
+        pixels[j, i, 1] * a + pixels[j, i1, 1] * b + pixels[j1, i, 1] * c + pixels[j1, i1, 1] * e,
+        pixels[j, i, 2] * a + pixels[j, i1, 2] * b + pixels[j1, i, 2] * c + pixels[j1, i1, 2] * e,
+    )
+
+
+@device
+def texel_density(environment, j, i):
+    """Density per steradian inside texel (row j, column i)."""
+    rows, columns, _ = environment.pixels.shape
+    chance = environment.row_cdf[j + 1] - environment.row_cdf[j]
+    chance *= environment.column_cdf[j, i + 1] - environment.column_cdf[j, i]
+    top = math.cos(PI * f32(j) / f32(rows))
+    bottom = math.cos(PI * f32(j + 1) / f32(rows))
+    return chance * f32(columns) / (TWO_PI * (top - bottom))
+
+
+@device
+def environment_pdf(environment, d):
+    """Density of `sample_environment` per steradian."""
+    if environment is None:
+        return ZERO
+    rows, columns, _ = environment.pixels.shape
+    x, y = map_position(environment, d)
+    return texel_density(environment, min(int(y), rows - 1), min(int(x), columns - 1))
+
+
+@device
+def cdf_index(cdf, u):
+    """Index i with cdf[i] <= u < cdf[i + 1], and the fraction of u inside that step."""
+    lo, hi = 0, len(cdf) - 1
+    while hi - lo > 1:
+        middle = (lo + hi) // 2
+        if cdf[middle] <= u:
+            lo = middle
+        else:
+            hi = middle
+    step = cdf[lo + 1] - cdf[lo]
+    fraction = (u - cdf[lo]) / step if step > ZERO else HALF
+    return lo, min(max(fraction, ZERO), ONE)
+
+
+@device
+def sample_environment(environment, rng):
+    """Direction drawn by radiance. Returns (wi, radiance, density, rng)."""
+    rows, columns, _ = environment.pixels.shape
+    rng, u = uniform(rng)
+    rng, v = uniform(rng)
+    j, fy = cdf_index(environment.row_cdf, u)
+    i, fx = cdf_index(environment.column_cdf[j], v)
+    # Uniform in solid angle inside the texel
+    top = math.cos(PI * f32(j) / f32(rows))
+    bottom = math.cos(PI * f32(j + 1) / f32(rows))
+    y = top + (bottom - top) * fy
+    r = math.sqrt(max(ZERO, ONE - y * y))
+    phi = TWO_PI * (f32(i) + fx) / f32(columns)
+    wi = transform(environment.world_from_local, (r * math.sin(phi), y, -r * math.cos(phi)))
+    return wi, environment_radiance(environment, wi), texel_density(environment, j, i), rng

@@ -1,0 +1,100 @@
+"""The scalar field: interpolation, gradient, bounds. Positions are index coordinates (i, j, k)."""
+
+import math
+
+import numpy as np
+
+from .jit import device
+from .vec import transform
+
+f32, i32, index = np.float32, np.int32, np.uintp
+ZERO, NEXT = f32(0.0), np.uintp(1)
+INFINITE = f32(1e30)
+
+
+@device
+def trilinear(values, p):
+    """Scalar at index position p, clamped to the outer points; NaN where a corner is NaN.
+
+    `values` is [k, j, i]; every axis has at least two points. Indices are unsigned because signed ones
+    would each be tested for being negative.
+    """
+    nz, ny, nx = values.shape
+    x = min(max(p[0], ZERO), f32(nx - 1))
+    y = min(max(p[1], ZERO), f32(ny - 1))
+    z = min(max(p[2], ZERO), f32(nz - 1))
+    a, b, c = min(i32(x), i32(nx - 2)), min(i32(y), i32(ny - 2)), min(i32(z), i32(nz - 2))
+    fx, fy, fz = x - f32(a), y - f32(b), z - f32(c)
+    i, j, k = index(a), index(b), index(c)
+    i1, j1, k1 = i + NEXT, j + NEXT, k + NEXT
+    v000 = f32(values[k, j, i])
+    v010 = f32(values[k, j1, i])
+    v001 = f32(values[k1, j, i])
+    v011 = f32(values[k1, j1, i])
+    c00 = v000 + (f32(values[k, j, i1]) - v000) * fx
+    c10 = v010 + (f32(values[k, j1, i1]) - v010) * fx
+    c01 = v001 + (f32(values[k1, j, i1]) - v001) * fx
+    c11 = v011 + (f32(values[k1, j1, i1]) - v011) * fx
+    c0 = c00 + (c10 - c00) * fy
+    c1 = c01 + (c11 - c01) * fy
+    return c0 + (c1 - c0) * fz
+
+
+@device
+def difference(values, p, axis, n):
+    """Central difference over one voxel along an index axis, one-sided at the border."""
+    lo = max(p[axis] - f32(1.0), f32(0.0))
+    hi = min(p[axis] + f32(1.0), f32(n - 1))
+    if axis == 0:
+        a = trilinear(values, (lo, p[1], p[2]))
+        b = trilinear(values, (hi, p[1], p[2]))
+    elif axis == 1:
+        a = trilinear(values, (p[0], lo, p[2]))
+        b = trilinear(values, (p[0], hi, p[2]))
+    else:
+        a = trilinear(values, (p[0], p[1], lo))
+        b = trilinear(values, (p[0], p[1], hi))
+    return (b - a) / (hi - lo)
+
+
+@device
+def gradient(values, world_from_index_gradient, p):
+    """World-space gradient (scalar per world unit) at index position p, float32 3-tuple.
+
+    The inverse transpose of the index-to-world map turns index differences into world ones.
+    """
+    nz, ny, nx = values.shape
+    g = (
+        difference(values, p, 0, nx),
+        difference(values, p, 1, ny),
+        difference(values, p, 2, nz),
+    )
+    return transform(world_from_index_gradient, g)
+
+
+@device
+def box_interval(o, d, lo, hi):
+    """Parametric interval in which the ray (o, d) is inside the box; empty if first >= second.
+
+    Slab test that lets no NaN through: a component of d that is zero leaves the interval as it is or empties
+    it. Works in the precision of its arguments.
+    """
+    t0, t1 = -INFINITE, INFINITE
+    for axis in range(3):
+        if d[axis] == 0.0:
+            if o[axis] < lo[axis] or o[axis] > hi[axis]:
+                t1 = -INFINITE
+                t0 = INFINITE
+        else:
+            near = (lo[axis] - o[axis]) / d[axis]
+            far = (hi[axis] - o[axis]) / d[axis]
+            t0 = max(t0, min(near, far))
+            t1 = min(t1, max(near, far))
+    return t0, t1
+
+
+@device
+def gradient_magnitude(values, world_from_index_gradient, p):
+    """Length of the world-space gradient at p."""
+    g = gradient(values, world_from_index_gradient, p)
+    return math.sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2])

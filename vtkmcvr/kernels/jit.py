@@ -1,0 +1,54 @@
+"""Every Numba option of the project, and the stamp that keeps its on-disk cache honest.
+
+Numba's own cache looks at the file that holds a function and not at the functions it calls: after an
+edit of `grid.py`, a cached `path.py` would go on running the old code. Here all kernels carry one
+stamp over all kernel sources, so that any edit rebuilds them all.
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+from collections.abc import Callable
+from pathlib import Path
+
+from numba import njit
+from numba.core.caching import FunctionCache
+
+# No "nnan" and no "ninf": kernels use NaN voxels and infinite distances on purpose.
+FAST_MATH = {"nsz", "contract", "arcp", "afn", "reassoc"}
+
+
+@functools.cache
+def source_stamp() -> str:
+    """Hash of the sources that compiled kernels depend on."""
+    here = Path(__file__).parent
+    digest = hashlib.sha256()
+    for source in [*sorted(here.glob("*.py")), here.parent / "packed.py"]:
+        digest.update(source.read_bytes())
+    return digest.hexdigest()
+
+
+class _StampedCache(FunctionCache):
+    """Numba's on-disk cache, fresh only while no kernel source has changed."""
+
+    def __init__(self, py_func: Callable):
+        super().__init__(py_func)
+        self._cache_file._source_stamp = source_stamp()
+
+
+def _cached(dispatcher):
+    # With NUMBA_DISABLE_JIT=1 `njit` returns the plain function, which has no cache to stamp.
+    if hasattr(dispatcher, "py_func"):
+        dispatcher._cache = _StampedCache(dispatcher.py_func)
+    return dispatcher
+
+
+def device(function: Callable):
+    """Compile a leaf: called by other kernels, on the CPU and (re-compiled) on CUDA."""
+    return _cached(njit(error_model="numpy", fastmath=FAST_MATH, forceinline=True)(function))
+
+
+def entry_point(function: Callable):
+    """Compile a function that Python calls; it releases the GIL."""
+    return _cached(njit(error_model="numpy", fastmath=FAST_MATH, nogil=True)(function))

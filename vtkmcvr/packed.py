@@ -1,0 +1,186 @@
+"""What kernels see: the packed scene, the only interface between the library and its kernels.
+
+Conventions. Arrays are [k, j, i], C order. Lengths are world units (mm for medical data). Positions are
+relative to the volume's centre, in world orientation, except where the name says `index`. Directions are
+unit vectors. Radiance is linear RGB (Rec. 709 primaries). Everything is float32 but the camera, whose rays
+are computed in float64 until they enter the volume.
+
+A field annotated `X | None` is an effect: None where the scene does not call for it, and kernels are then
+compiled without it. Only `vtkmcvr.plan` builds these tuples, because a stray Python float or a
+Fortran-ordered array would compile everything anew.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+F32 = np.float32
+Vector = tuple[np.float32, np.float32, np.float32]
+Vector64 = tuple[np.float64, np.float64, np.float64]
+Matrix = tuple[Vector, Vector, Vector]
+Matrix64 = tuple[Vector64, Vector64, Vector64]
+
+
+class Medium(NamedTuple):
+    """The scalar field with its majorant grid."""
+
+    values: NDArray  # [k, j, i], at least two points an axis
+    majorant: NDArray[np.float32]  # [k, j, i] of cells: sigma_t is nowhere above it inside the cell
+    cell_size: np.float32  # edge of a cell in index units
+    cells_per_index: np.float32
+    active_lo: Vector  # index box outside of which the majorant is zero
+    active_hi: Vector
+    index_from_world: Matrix  # directions: index units per world unit
+
+
+class Transfer(NamedTuple):
+    """Transfer function tables over [lowest, highest scalar], linear between entries."""
+
+    sigma_t: NDArray[np.float32]  # (n,) extinction, 1/world unit
+    colour: NDArray[np.float32]  # (n, 3) albedo and diffuse colour
+    lowest: np.float32
+    per_scalar: np.float32  # table entries per unit of the scalar
+
+
+class Camera(NamedTuple):
+    """Affine map from film to rays: at film position (x, y) in pixels, row 0 on top,
+    the ray starts at origin + x origin_x + y origin_y and heads along
+    direction + x direction_x + y direction_y (not normalised)."""
+
+    origin: Vector64
+    origin_x: Vector64
+    origin_y: Vector64
+    direction: Vector64
+    direction_x: Vector64
+    direction_y: Vector64
+    index_from_world: Matrix64
+    index_of_centre: Vector64  # index position of the volume's centre
+    filter: NDArray[np.float32]  # inverse distribution of the pixel filter, offsets in pixels
+
+
+class Lens(NamedTuple):
+    """Thin lens: points of the focal plane are sharp."""
+
+    radius: np.float32
+    focus_distance: np.float32  # along the axis, to the focal plane
+    right: Vector
+    up: Vector
+    axis: Vector
+
+
+class Surface(NamedTuple):
+    """Hybrid surface/volume scattering: where and how often a BRDF replaces the phase function."""
+
+    opacity: NDArray[np.float32]  # (n,) opacity of the transfer function, [0, 1]
+    world_from_index_gradient: Matrix
+    per_gradient: np.float32  # 1 / largest gradient magnitude
+    exponent_scale: np.float32  # 25 g^3, with g the gradient factor
+    always: np.bool_  # BRDF wherever there is a gradient, instead of by probability
+
+
+class Gloss(NamedTuple):
+    """Specular coat of surfaces: the glossy part of the Fresnel blend."""
+
+    specular: Vector  # reflectance at normal incidence
+    exponent: np.float32  # Blinn exponent
+
+
+class Phase(NamedTuple):
+    """Henyey-Greenstein phase function."""
+
+    g: np.float32  # mean cosine between the directions of propagation
+
+
+class Shadows(NamedTuple):
+    """Light is attenuated on its way to the scattering point."""
+
+    reach: np.float32  # world units from the scattering point within which the medium attenuates
+
+
+class RatioTracking(NamedTuple):
+    """Transmittance by ratio tracking instead of a binary estimate."""
+
+    roulette: np.float32  # transmittance below which Russian roulette ends the walk
+
+
+class Ambient(NamedTuple):
+    """Environment of constant radiance."""
+
+    radiance: Vector
+
+
+class Environment(NamedTuple):
+    """Environment map in latitude-longitude form, importance-sampled by radiance."""
+
+    pixels: NDArray[np.float32]  # (rows, columns, 3), row 0 at the local +y pole
+    row_cdf: NDArray[np.float32]  # (rows + 1,)
+    column_cdf: NDArray[np.float32]  # (rows, columns + 1)
+    local_from_world: Matrix
+    world_from_local: Matrix
+
+
+class Rectangles(NamedTuple):
+    """Area lights. They block light, also with their dark side."""
+
+    corner: NDArray[np.float32]  # (n, 3)
+    edge_u: NDArray[np.float32]  # (n, 3)
+    edge_v: NDArray[np.float32]  # (n, 3)
+    normal: NDArray[np.float32]  # (n, 3), the side that emits
+    area: NDArray[np.float32]  # (n,)
+    radiance: NDArray[np.float32]  # (n, 3)
+    two_sided: NDArray[np.bool_]  # (n,)
+    visible: NDArray[np.bool_]  # (n,) seen by camera rays
+
+
+class DeltaLights(NamedTuple):
+    """Directional and point lights, which no scattered ray can hit."""
+
+    kind: NDArray[np.int32]  # (n,) 0 directional, 1 point
+    position: NDArray[np.float32]  # (n, 3), point lights
+    axis: NDArray[np.float32]  # (n, 3), direction of propagation (of the cone's axis)
+    power: NDArray[np.float32]  # (n, 3), irradiance, or intensity in power per steradian
+    attenuation: NDArray[np.float32]  # (n, 3), a + b r + c r^2 divides the intensity
+    cone: NDArray[np.float32]  # (n, 2), cosine of the cone's half angle, exponent of its falloff
+
+
+class LightChoice(NamedTuple):
+    """Which light one sample of direct light asks: rectangles, then delta lights, then the map."""
+
+    cdf: NDArray[np.float32]  # (n + 1,)
+    environment: np.int32  # index of the environment map, -1 without
+    by_light: np.bool_  # sample directions by the lights
+    by_scatter: np.bool_  # sample directions by the scattering function
+
+
+class Scene(NamedTuple):
+    """Everything a sample of a pixel needs."""
+
+    medium: Medium
+    transfer: Transfer
+    camera: Camera
+    lens: Lens | None
+    surface: Surface | None
+    gloss: Gloss | None
+    phase: Phase | None
+    shadows: Shadows | None
+    ratio: RatioTracking | None
+    ambient: Ambient | None
+    environment: Environment | None
+    rectangles: Rectangles | None
+    delta_lights: DeltaLights | None
+    choice: LightChoice | None
+    environment_visible: np.bool_
+
+
+class Film(NamedTuple):
+    """Running moments per pixel, [row, column], row 0 on top, float64."""
+
+    count: NDArray[np.int64]  # (H, W) samples so far
+    mean: NDArray[np.float64]  # (H, W, 3) radiance
+    m2: NDArray[np.float64]  # (H, W, 3) sum of squared deviations
+    hits: NDArray[np.int64]  # (H, W) samples that collided in the volume
+    depth: NDArray[np.float64]  # (H, W) mean distance of the collisions
+    rejected: NDArray[np.int64]  # (H, W) samples that were not finite, counted as zero

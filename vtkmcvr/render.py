@@ -1,0 +1,99 @@
+"""Scene -> picture."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from . import checks, packed, schedule
+from .film import new_film
+from .picture import Display, Picture
+from .plan import Plan, plan
+from .scene import Scene
+from .schedule import Progress, StopRules
+
+DEFAULT_SAMPLES = 64
+
+
+def render_scene(
+    scene: Scene | Plan,
+    *,
+    samples: int | None = None,
+    seconds: float | None = None,
+    seed: int = 0,
+    threads: int | None = None,
+    display: Display | None = None,
+    progress: Callable[[Progress], object] | None = None,
+    abort: Callable[[], bool] | None = None,
+    recipe: dict[str, Any] | None = None,
+) -> Picture:
+    """Render a scene until the first stop rule is met.
+
+    Parameters
+    ----------
+    scene : Scene or Plan
+    samples : int, optional
+        Samples per pixel, >= 1. Default: 64, or unlimited when `seconds` is given.
+    seconds : float, optional
+        Time to render, > 0; compilation is not counted.
+    seed : int
+        >= 0. The same seed gives the same bits for any number of threads.
+    threads : int, optional
+        >= 1. Default: all CPUs that the process may use.
+    display : Display, optional
+        Exposure and background of the display picture.
+    progress : callable, optional
+        Called with a `Progress` from the calling thread, a few dozen times a second.
+    abort : callable, optional
+        Asked as often; True ends the render with a valid picture.
+    recipe : dict, optional
+        Kept with the picture.
+
+    Returns
+    -------
+    Picture
+    """
+    rules = _rules(samples, seconds, abort)
+    checks.whole("seed", seed, least=0)
+    threads = schedule.default_threads() if threads is None else checks.whole(
+        "threads", threads, least=1
+    )
+    planned = scene if isinstance(scene, Plan) else plan(scene)
+    film = new_film(*planned.scene.size)
+    stopped_by, spent = schedule.run(planned.packed, film, rules, seed, threads, progress)
+    return Picture(
+        film, planned, display or Display(), spent, stopped_by, seed, threads, recipe or {}
+    )
+
+
+def continue_picture(
+    picture: Picture,
+    samples: int | None,
+    seconds: float | None,
+    progress: Callable[[Progress], object] | None,
+    abort: Callable[[], bool] | None,
+) -> Picture:
+    """A picture with more samples; the one given stays as it is."""
+    rules = _rules(samples, seconds, abort)
+    film = packed.Film(*(np.copy(part) for part in picture.film))
+    stopped_by, spent = schedule.run(
+        picture.plan.packed, film, rules, picture.seed, picture.threads, progress
+    )
+    return Picture(
+        film, picture.plan, picture.display, picture.seconds + spent, stopped_by,
+        picture.seed, picture.threads, picture.recipe,
+    )  # fmt: skip
+
+
+def _rules(
+    samples: int | None, seconds: float | None, abort: Callable[[], bool] | None
+) -> StopRules:
+    if samples is not None:
+        checks.whole("samples", samples, least=1)
+    elif seconds is None:
+        samples = DEFAULT_SAMPLES
+    if seconds is not None:
+        checks.number("seconds", seconds, above=0.0)
+    return StopRules(samples, seconds, abort)

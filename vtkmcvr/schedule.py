@@ -1,0 +1,217 @@
+"""Passes and tiles on a thread pool: when to stop, how much at a time. No pixel depends on it."""
+
+from __future__ import annotations
+
+import logging
+import math
+import os
+import threading
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor, wait
+from dataclasses import dataclass
+
+import numpy as np
+
+from . import packed
+from .kernels.cpu import render_tile
+
+logger = logging.getLogger("vtkmcvr")
+
+Tile = tuple[int, int, int, int]
+
+# Work between two looks at abort and deadline, and length of a pass, in seconds
+TILE_SECONDS, PASS_SECONDS, POLL_SECONDS = 0.02, 0.5, 0.02
+FIRST_TILE, LARGEST_TILE = 32, 64
+COMPILE_MESSAGE_AFTER = 1.0
+UNLIMITED = 2**40
+
+
+@dataclass(frozen=True)
+class Progress:
+    """State of a running render, as the progress callback sees it.
+
+    Attributes
+    ----------
+    fraction : float
+        Share of the work done by the stop rule that will be met first, [0, 1].
+    samples : int
+        Samples per pixel that are complete.
+    seconds : float
+        Time since the start, compilation included.
+    """
+
+    fraction: float
+    samples: int
+    seconds: float
+
+
+@dataclass(frozen=True)
+class StopRules:
+    """Whichever is met first ends the render.
+
+    Parameters
+    ----------
+    samples : int, optional
+        Samples per pixel to reach.
+    seconds : float, optional
+        Time to spend, compilation not counted.
+    abort : callable, optional
+        Asked every few hundredths of a second; True ends the render.
+    """
+
+    samples: int | None
+    seconds: float | None
+    abort: Callable[[], bool] | None
+
+
+def run(
+    scene: packed.Scene,
+    film: packed.Film,
+    rules: StopRules,
+    seed: int,
+    threads: int,
+    progress: Callable[[Progress], object] | None = None,
+) -> tuple[str, float]:
+    """Add samples to the film until a rule is met. Returns (which rule, seconds of rendering)."""
+    _compile(film, scene, seed)
+    runner = _Runner(scene, film, rules, seed, threads, progress)
+    with ThreadPoolExecutor(threads, thread_name_prefix="vtkmcvr") as pool:
+        stopped_by = runner.run(pool)
+    return stopped_by, time.perf_counter() - runner.start
+
+
+def default_threads() -> int:
+    """Number of CPUs that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def _compile(film: packed.Film, scene: packed.Scene, seed: int) -> None:
+    """Compile (or load from the cache) for this structure of scene, saying so when it takes long."""
+    message = "compiling the kernels for this scene's effects (once; they are cached on disk)"
+    timer = threading.Timer(COMPILE_MESSAGE_AFTER, logger.warning, [message])
+    timer.daemon = True
+    timer.start()
+    try:
+        render_tile(film, scene, 0, 0, 0, 0, 0, np.int64(seed))
+    finally:
+        timer.cancel()
+
+
+class _Runner:
+    """One render: passes over all pixels, each a list of tiles."""
+
+    def __init__(
+        self,
+        scene: packed.Scene,
+        film: packed.Film,
+        rules: StopRules,
+        seed: int,
+        threads: int,
+        progress: Callable[[Progress], object] | None,
+    ):
+        self.scene, self.film, self.rules = scene, film, rules
+        self.seed, self.threads, self.progress = seed, threads, progress
+        self.goal = UNLIMITED if rules.samples is None else rules.samples
+        self.first = int(film.count.min())
+        self.halt = threading.Event()
+        self.paths = 0
+        self.stopped_by = ""
+        self.start = time.perf_counter()
+
+    def run(self, pool: ThreadPoolExecutor) -> str:
+        """Pass after pass. The first pass brings every pixel to the same count, then one more sample."""
+        done = self.first
+        while done < self.goal:
+            target = self._next_target(done)
+            self._pass(pool, target)
+            if self.halt.is_set():
+                return self.stopped_by
+            done = target
+            self._report(done)
+            if self._over():
+                return self.stopped_by
+        return "samples"
+
+    def _next_target(self, done: int) -> int:
+        """Samples to reach in the next pass: about half a second, or what is left of the time."""
+        if not self.paths:
+            return done + 1
+        elapsed = time.perf_counter() - self.start
+        rate = self.paths / max(elapsed, 1e-6)
+        seconds = PASS_SECONDS
+        if self.rules.seconds is not None:
+            seconds = min(seconds, self.rules.seconds - elapsed)
+        more = max(1, int(seconds * rate / self.film.count.size))
+        return min(done + more, self.goal)
+
+    def _pass(self, pool: ThreadPoolExecutor, target: int) -> None:
+        tiles = iter(list(self._tiles(target)))
+        lock = threading.Lock()
+        jobs = [pool.submit(self._work, tiles, lock, target) for _ in range(self.threads)]
+        try:
+            self._watch(jobs)
+        except BaseException:
+            self.halt.set()
+            wait(jobs)
+            raise
+
+    def _tiles(self, target: int) -> Iterator[Tile]:
+        """Squares that take about `TILE_SECONDS` each."""
+        height, width = self.film.count.shape
+        edge = FIRST_TILE
+        if self.paths:
+            rate = self.paths / self.threads / max(time.perf_counter() - self.start, 1e-6)
+            samples = max(1, target - int(self.film.count[0, 0]))
+            edge = int(np.clip(math.sqrt(rate * TILE_SECONDS / samples), 4, LARGEST_TILE))
+        for row in range(0, height, edge):
+            for column in range(0, width, edge):
+                yield row, min(row + edge, height), column, min(column + edge, width)
+
+    def _work(self, tiles: Iterator[Tile], lock: threading.Lock, target: int) -> None:
+        while not self.halt.is_set():
+            with lock:
+                tile = next(tiles, None)
+            if tile is None:
+                return
+            before = self._tile_count(tile)
+            render_tile(self.film, self.scene, *tile, target, np.int64(self.seed))
+            with lock:
+                self.paths += self._tile_count(tile) - before
+
+    def _tile_count(self, tile: Tile) -> int:
+        row_0, row_1, column_0, column_1 = tile
+        return int(self.film.count[row_0:row_1, column_0:column_1].sum())
+
+    def _watch(self, jobs: list[Future]) -> None:
+        """Wait for the workers; stop them when a rule says so."""
+        pending = set(jobs)
+        while pending:
+            done, pending = wait(pending, timeout=POLL_SECONDS)
+            for job in done:
+                job.result()
+            if pending and self._over():
+                self.halt.set()
+            elif pending:
+                self._report(int(self.film.count.min()))
+
+    def _over(self) -> bool:
+        if self.rules.abort is not None and self.rules.abort():
+            self.stopped_by = "user"
+        elif (
+            self.rules.seconds is not None
+            and time.perf_counter() - self.start >= self.rules.seconds
+        ):
+            self.stopped_by = "seconds"
+        return bool(self.stopped_by)
+
+    def _report(self, samples: int) -> None:
+        if self.progress is None:
+            return
+        elapsed = time.perf_counter() - self.start
+        fraction = self.paths / max(1, (self.goal - self.first) * self.film.count.size)
+        if self.rules.seconds is not None:
+            fraction = max(fraction, elapsed / self.rules.seconds)
+        self.progress(Progress(min(fraction, 1.0), samples, elapsed))

@@ -1,0 +1,136 @@
+"""Voxels as kernels want them, with what is computed from them once: ranges, cells, largest gradient."""
+
+from __future__ import annotations
+
+import functools
+import weakref
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .kernels.majorant import fill_cell_ranges, largest_gradient
+from .scene import Volume
+
+# Voxels along the edge of a macrocell
+CELL = 4
+# Types that kernels read as they are; everything else is converted once
+NATIVE = ("uint8", "int16", "uint16", "float32")
+EXACT_IN_FLOAT32 = 2**24
+
+
+@dataclass(frozen=True, eq=False)
+class Voxels:
+    """Values in a type that kernels read, and their ranges.
+
+    Attributes
+    ----------
+    values : array (k, j, i), C order, writeable, of a type in `NATIVE`
+    offset : float
+        scalar = stored value + offset; not 0 only where float32 could not hold the scalars.
+    lowest, highest : float
+        Range of the stored finite values.
+    integer : bool
+        Whether stored values are whole numbers by type.
+    cell : int
+        Edge of a macrocell, index units.
+    cell_lowest, cell_highest : arrays (k, j, i) of macrocells
+    not_finite : int
+        Number of NaN or infinite voxels; they are NaN in `values`, that is transparent.
+    """
+
+    values: NDArray
+    offset: float
+    lowest: float
+    highest: float
+    integer: bool
+    cell: int
+    cell_lowest: NDArray[np.float32]
+    cell_highest: NDArray[np.float32]
+    not_finite: int
+
+    @functools.cached_property
+    def _gradients(self) -> dict[bytes, float]:
+        return {}
+
+    def largest_gradient(self, world_from_index_gradient: NDArray) -> float:
+        """Largest gradient magnitude over the voxels, scalar per world unit; computed once a map."""
+        key = world_from_index_gradient.tobytes()
+        if key not in self._gradients:
+            rows = tuple(tuple(np.float32(x) for x in row) for row in world_from_index_gradient)
+            self._gradients[key] = float(largest_gradient(self.values, rows))
+        return self._gradients[key]
+
+
+_cache: weakref.WeakKeyDictionary[Volume, Voxels] = weakref.WeakKeyDictionary()
+
+
+def voxels_of(volume: Volume) -> Voxels:
+    """Voxels of a volume; computed once for each Volume object."""
+    if volume not in _cache:
+        _cache[volume] = _prepare(volume.values)
+    return _cache[volume]
+
+
+def _prepare(raw: NDArray) -> Voxels:
+    values, offset, not_finite = _kernel_values(raw)
+    lowest, highest = _cell_ranges(values, CELL)
+    low, high = float(lowest.min()), float(highest.max())
+    if not np.isfinite(low) or not np.isfinite(high):
+        finite = values[np.isfinite(values)]
+        low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 0.0)
+    integer = values.dtype.kind in "iu"
+    return Voxels(values, offset, low, high, integer, CELL, lowest, highest, not_finite)
+
+
+def _cell_ranges(values: NDArray, cell: int) -> tuple[NDArray, NDArray]:
+    shape = tuple(max(1, -(-(n - 1) // cell)) for n in values.shape)
+    lowest, highest = np.empty(shape, np.float32), np.empty(shape, np.float32)
+    fill_cell_ranges(values, cell, lowest, highest, 0, shape[0])
+    return lowest, highest
+
+
+def _kernel_values(raw: NDArray) -> tuple[NDArray, float, int]:
+    """Values in a native type, the offset that was taken off, and how many were not finite."""
+    if raw.dtype.kind == "b":
+        raw = raw.astype(np.uint8)
+    offset, not_finite = 0.0, 0
+    if raw.dtype.kind == "f":
+        finite = np.isfinite(raw)
+        not_finite = int(raw.size - np.count_nonzero(finite))
+        if raw.dtype != np.float32:
+            raw, offset = _as_float32(np.where(finite, raw, np.nan) if not_finite else raw)
+        elif not_finite:
+            raw = np.where(finite, raw, np.float32(np.nan))
+    elif raw.dtype.name not in NATIVE:
+        raw, offset = _narrow_integers(raw)
+    values = np.ascontiguousarray(raw, raw.dtype.newbyteorder("="))
+    if not values.flags.writeable:
+        values = values.copy()
+    return values, offset, not_finite
+
+
+def _narrow_integers(raw: NDArray) -> tuple[NDArray, float]:
+    """Small integer type that holds the values, else float32."""
+    low, high = int(raw.min()), int(raw.max())
+    for name in ("uint8", "int16", "uint16"):
+        limits = np.iinfo(name)
+        if limits.min <= low and high <= limits.max:
+            return raw.astype(name), 0.0
+    if max(abs(low), abs(high)) <= EXACT_IN_FLOAT32:
+        return raw.astype(np.float32), 0.0
+    return _as_float32(raw)
+
+
+def _as_float32(raw: NDArray) -> tuple[NDArray, float]:
+    """float32 values; around an offset where the range is narrow against the magnitude."""
+    low, high = float(np.nanmin(raw, initial=np.inf)), float(np.nanmax(raw, initial=-np.inf))
+    if not low <= high:
+        return np.full(raw.shape, np.nan, np.float32), 0.0
+    largest = max(abs(low), abs(high))
+    if largest > np.finfo(np.float32).max / 4:
+        raise ValueError(
+            f"the volume's values reach {largest:g}; rescale them to below 8e37, the range of float32"
+        )
+    offset = low if 0 < high - low < 1e-3 * largest else 0.0
+    return (raw - offset).astype(np.float32), offset
