@@ -7,8 +7,15 @@ from typing import Any
 import numpy as np
 
 
-def number(name: str, value: Any, *, above: float = -np.inf, least: float = -np.inf,
-           most: float = np.inf, finite: bool = True) -> float:
+def number(
+    name: str,
+    value: Any,
+    *,
+    above: float = -np.inf,
+    least: float = -np.inf,
+    most: float = np.inf,
+    finite: bool = True,
+) -> float:
     """Return `value` as a float, or say what is wrong with it."""
     try:
         x = float(value)

@@ -53,7 +53,9 @@ def _parser() -> argparse.ArgumentParser:
     _render_options(demo)
     demo.set_defaults(command=_demo)
     render = commands.add_parser("render", help="render a volume to a picture")
-    render.add_argument("input", help="DICOM folder or file, .nrrd .nhdr .nii .nii.gz .mha .mhd .vti")
+    render.add_argument(
+        "input", help="DICOM folder or file, .nrrd .nhdr .nii .nii.gz .mha .mhd .vti"
+    )
     render.add_argument("-o", "--output", required=True, help="picture: .png .exr .vti .npz")
     _render_options(render)
     render.set_defaults(command=_render)
@@ -75,14 +77,27 @@ def _render_options(parser: argparse.ArgumentParser) -> None:
     add("--seconds", type=float, help="time to render; with --samples, whichever is met first")
     add("--seed", type=int, default=0)
     add("--threads", type=int, help="default: all CPUs of the process")
-    add("--view", default="front", help="front back left right top bottom: side of the patient seen")
+    add(
+        "--view", default="front", help="front back left right top bottom: side of the patient seen"
+    )
     add("--azimuth", type=float, default=0.0, help="degrees around the volume, to the right")
     add("--elevation", type=float, default=0.0, help="degrees up")
     add("--roll", type=float, default=0.0, help="degrees clockwise")
     add("--zoom", type=float, default=1.0)
     add("--exposure", type=float, help="stops; default: the look's")
-    add("--background", type=_background, default="preset", metavar="COLOUR",
-        help="transparent, or sRGB as #rrggbb")
+    add(
+        "--background",
+        type=_background,
+        default="preset",
+        metavar="COLOUR",
+        help="transparent, or sRGB as #rrggbb",
+    )
+    add(
+        "--flip",
+        metavar="AXES",
+        help="index axes that run backwards, such as k; for files that "
+        "do not say which way they were stored",
+    )
     add("--shift", type=float, help="added to the values to get HU; default: detected")
     add("--series", help="series UID or number, where a DICOM folder holds several")
     add("--environment", metavar="MAP", help="light by this .hdr or .exr panorama instead")
@@ -149,6 +164,7 @@ def _picture_of(data: Any, args: argparse.Namespace, *, explain: bool = False) -
 
     check_suffix(args.output)
     say = _say(args)
+    data = _flipped(data, args.flip)
     options = _scene_options(data, args)
     background = {"preset": BACKDROP, "transparent": None}.get(args.background, args.background)
     stop = _Interrupt()
@@ -167,6 +183,15 @@ def _picture_of(data: Any, args: argparse.Namespace, *, explain: bool = False) -
     say(f"picture: {Path(args.output).resolve()}")
     _write_json(args.json, _facts(picture))
     return 0
+
+
+def _flipped(data: Any, axes: str | None) -> Any:
+    if axes is None:
+        return data
+    from .scene import Volume
+    from .vtk_scene import volume_of
+
+    return (data if isinstance(data, Volume) else volume_of(data)).flipped(axes)
 
 
 def _scene_options(data: Any, args: argparse.Namespace) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""Functions of a scalar by nodes, evaluated as vtkPiecewiseFunction and vtkColorTransferFunction do.
+"""Functions of a scalar by nodes, as vtkPiecewiseFunction and vtkColorTransferFunction have them.
 
 Pure NumPy, so that scenes need no VTK; the tests compare every branch with VTK itself.
 """
@@ -26,8 +26,8 @@ def _nodes(nodes: Iterable, width: int, name: str) -> Array:
     for row in rows:
         if len(row) not in (width, width + 2):
             raise ValueError(
-                f"a node of {name} has {width} numbers (or {width + 2}, with midpoint and sharpness), "
-                f"got {row}"
+                f"a node of {name} has {width} numbers (or {width + 2}, with midpoint and "
+                f"sharpness), got {row}"
             )
         full.append(row if len(row) == width + 2 else (*row, 0.5, 0.0))
     table = np.array(sorted(full, key=lambda row: row[0]), np.float64)
@@ -56,7 +56,7 @@ def _hermite(s: Array, y1: Array, y2: Array, sharpness: Array) -> Array:
 
 
 def _between(x: Array, table: Array, column: int, steps: bool) -> Array:
-    """Values inside the node range. Sharp colour nodes are steps; sharp opacity nodes stay smooth."""
+    """Values inside the nodes. Sharp colour nodes are steps; sharp opacity nodes stay smooth."""
     last = len(table) - 1
     # VTK treats a node's own position as the end of the interval before it
     index = np.clip(np.searchsorted(table[:, 0], x, side="left") - 1, 0, max(last - 1, 0))

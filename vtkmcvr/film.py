@@ -23,18 +23,30 @@ def new_film(width: int, height: int) -> packed.Film:
     )
 
 
+def copy_film(film: packed.Film) -> packed.Film:
+    """Film with arrays of its own."""
+    return packed.Film(
+        film.count.copy(),
+        film.mean.copy(),
+        film.m2.copy(),
+        film.hits.copy(),
+        film.depth.copy(),
+        film.rejected.copy(),
+    )
+
+
 def alpha(film: packed.Film) -> Image:
     """Share of samples that collided in the volume, (H, W), [0, 1]."""
     return (film.hits / np.maximum(film.count, 1)).astype(np.float32)
 
 
 def depth(film: packed.Film) -> Image:
-    """Mean distance from camera to collision over the samples that collided, (H, W); inf where none did."""
+    """Mean distance from camera to collision, (H, W); inf where no sample collided."""
     return np.where(film.hits > 0, film.depth, np.inf).astype(np.float32)
 
 
 def standard_error(film: packed.Film) -> Image:
-    """Standard error of the mean radiance, (H, W, 3); inf below two samples, where it is unknown."""
+    """Standard error of the mean radiance, (H, W, 3); inf, unknown, below two samples."""
     n = film.count[..., None]
     variance = film.m2 / np.maximum(n - 1, 1) / np.maximum(n, 1)
     return np.where(n > 1, np.sqrt(variance), np.inf).astype(np.float32)
@@ -43,8 +55,8 @@ def standard_error(film: packed.Film) -> Image:
 def nrms(film: packed.Film) -> float:
     """Estimated NRMS error of the radiance: RMS of the standard error over RMS of the truth.
 
-    The mean square of the estimate exceeds that of the truth by the error's, which is taken off. 0 for a
-    film that is black without doubt, inf where the error is unknown.
+    The mean square of the estimate exceeds that of the truth by the error's, which is taken off. 0
+    for a film that is black without doubt, inf where the error is unknown.
     """
     error = standard_error(film).astype(np.float64)
     if not np.isfinite(error).all():

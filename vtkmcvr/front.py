@@ -11,6 +11,7 @@ import numpy as np
 from . import __version__, checks
 from .lights import Light
 from .picture import Display, Picture
+from .plan import plan
 from .presets import Dressed, dress
 from .render import render_scene
 from .scene import Camera, Scene, TransferFunction, Volume
@@ -63,7 +64,8 @@ def scene_of(
     shift : float, optional
         Number to add to the values to get HU. Default: 0 for HU, else detected.
     **effects
-        Other fields of `Scene`: surface, phase_g, shadow_reach, environment_visible, pixel_filter ...
+        Other fields of `Scene`: surface, phase_g, shadow_reach, environment_visible, pixel_filter
+        ...
 
     Returns
     -------
@@ -74,19 +76,32 @@ def scene_of(
     known = units(data) if not isinstance(data, Volume) else ""
     width = checks.whole("film width", size[0], least=1)
     height = checks.whole("film height", size[1], least=1)
+    place = camera or view_camera(volume)
+    dressed = dress(volume, place, preset, units=known, shift=shift, size=(width, height))
     if camera is None:
-        place = view or View()
-        camera = view_camera(
-            volume, place.view, azimuth=place.azimuth, elevation=place.elevation,
-            roll=place.roll, zoom=place.zoom, aspect=width / height,
-        )  # fmt: skip
-    dressed = dress(volume, camera, preset, units=known, shift=shift, size=(width, height))
+        camera = _framed(dressed.scene, view or View())
+        dressed = dress(volume, camera, preset, units=known, shift=shift, size=(width, height))
     changes = dict(effects)
     if transfer is not None:
         changes["transfer"] = transfer
     if lights is not None:
         changes["lights"] = tuple(lights)
     return replace(dressed, scene=replace(dressed.scene, **changes)) if changes else dressed
+
+
+def _framed(scene: Scene, view: View) -> Camera:
+    """Camera on the part of the volume that the transfer function shows."""
+    volume, (width, height) = scene.volume, scene.size
+    planned = plan(scene)
+    lo, hi = planned.packed.medium.active_lo, planned.packed.medium.active_hi
+    box = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], np.float64)
+    box = np.where(box > 0, hi, lo)
+    m = volume.index_to_world
+    return view_camera(
+        volume, view.view, azimuth=view.azimuth, elevation=view.elevation, roll=view.roll,
+        zoom=view.zoom, aspect=width / height,
+        corners=None if planned.empty else box @ m[:3, :3].T + m[:3, 3],
+    )  # fmt: skip
 
 
 def render(

@@ -39,7 +39,8 @@ class EnvironmentMap(Light):
     scale : float
         Factor on the radiance, >= 0.
     rotation : array (3, 3), optional
-        World from local directions, a rotation. Default: local +y is world +z (head-up for patients).
+        World from local directions, a rotation. Default: local +y is world +z (head-up for
+        patients).
     """
 
     pixels: NDArray[np.float32]
@@ -144,7 +145,8 @@ class PointLight(Light):
     intensity : colour
         Power per steradian.
     attenuation : (a, b, c)
-        The intensity arrives divided by a + b r + c r^2 at distance r; (0, 0, 1) is physically right.
+        The intensity arrives divided by a + b r + c r^2 at distance r; (0, 0, 1) is physically
+        right.
     direction : 3 floats, optional
         Axis of the cone of a spot light.
     cone_angle : float

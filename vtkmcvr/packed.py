@@ -1,13 +1,13 @@
 """What kernels see: the packed scene, the only interface between the library and its kernels.
 
-Conventions. Arrays are [k, j, i], C order. Lengths are world units (mm for medical data). Positions are
-relative to the volume's centre, in world orientation, except where the name says `index`. Directions are
-unit vectors. Radiance is linear RGB (Rec. 709 primaries). Everything is float32 but the camera, whose rays
-are computed in float64 until they enter the volume.
+Conventions. Arrays are [k, j, i], C order. Lengths are world units (mm for medical data). Positions
+are relative to the volume's centre, in world orientation, except where the name says `index`.
+Directions are unit vectors. Radiance is linear RGB (Rec. 709 primaries). Everything is float32 but
+the camera, whose rays are computed in float64 until they enter the volume.
 
-A field annotated `X | None` is an effect: None where the scene does not call for it, and kernels are then
-compiled without it. Only `vtkmcvr.plan` builds these tuples, because a stray Python float or a
-Fortran-ordered array would compile everything anew.
+A field annotated `X | None` is an effect: None where the scene does not call for it, and kernels
+are then compiled without it. Only `vtkmcvr.plan` builds these tuples, because a stray Python float
+or a Fortran-ordered array would compile everything anew.
 """
 
 from __future__ import annotations
@@ -28,7 +28,9 @@ class Medium(NamedTuple):
     """The scalar field with its majorant grid."""
 
     values: NDArray  # [k, j, i], at least two points an axis
-    majorant: NDArray[np.float32]  # [k, j, i] of cells: sigma_t is nowhere above it inside the cell
+    majorant: NDArray[
+        np.float32
+    ]  # [k, j, i] of cells: bound of sigma_t; <= 0: empty, minus cells around
     cell_size: np.float32  # edge of a cell in index units
     cells_per_index: np.float32
     active_lo: Vector  # index box outside of which the majorant is zero
@@ -46,9 +48,12 @@ class Transfer(NamedTuple):
 
 
 class Camera(NamedTuple):
-    """Affine map from film to rays: at film position (x, y) in pixels, row 0 on top,
-    the ray starts at origin + x origin_x + y origin_y and heads along
-    direction + x direction_x + y direction_y (not normalised)."""
+    """Affine map from film to rays.
+
+    At film position (x, y) in pixels, row 0 on top, the ray starts at
+    origin + x origin_x + y origin_y and heads along direction + x direction_x + y direction_y
+    (not normalised).
+    """
 
     origin: Vector64
     origin_x: Vector64
@@ -149,7 +154,10 @@ class DeltaLights(NamedTuple):
 class LightChoice(NamedTuple):
     """Which light one sample of direct light asks: rectangles, then delta lights, then the map."""
 
-    cdf: NDArray[np.float32]  # (n + 1,)
+    weight: NDArray[np.float32]  # (n,) estimated irradiance at the volume's centre
+    anchor: NDArray[
+        np.float32
+    ]  # (n, 4) xyz; 1: position of the light, 0: direction to it, -1: all around
     environment: np.int32  # index of the environment map, -1 without
     by_light: np.bool_  # sample directions by the lights
     by_scatter: np.bool_  # sample directions by the scattering function
@@ -178,7 +186,7 @@ class Scene(NamedTuple):
 class Film(NamedTuple):
     """Running moments per pixel, [row, column], row 0 on top, float64."""
 
-    count: NDArray[np.int64]  # (H, W) samples so far
+    count: NDArray[np.int64]  # type: ignore[assignment]  # (H, W) samples so far
     mean: NDArray[np.float64]  # (H, W, 3) radiance
     m2: NDArray[np.float64]  # (H, W, 3) sum of squared deviations
     hits: NDArray[np.int64]  # (H, W) samples that collided in the volume

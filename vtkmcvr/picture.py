@@ -79,7 +79,7 @@ class Picture:
 
     @property
     def depth(self) -> NDArray[np.float32]:
-        """Expected distance from the camera to the first collision, (H, W), world units; inf: none."""
+        """Mean distance from camera to first collision, (H, W), world units; inf: none."""
         return films.depth(self.film)
 
     @property
@@ -168,7 +168,7 @@ class Picture:
         }
 
     def save(self, path: str | os.PathLike) -> Path:
-        """Write .png (display picture) or .exr, .npz, .vti (float radiance, AOVs and the recipe)."""
+        """Write .png (display picture) or .exr, .npz, .vti (float radiance, AOVs, recipe)."""
         target = check_suffix(path)
         suffix = target.suffix.lower()
         if suffix == ".png":

@@ -1,4 +1,4 @@
-"""Scene -> packed scene: which effects it calls for, with reasons. The only builder of packed tuples."""
+"""Scene -> packed scene: which effects run, with reasons. Only this builds packed tuples."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import packed
-from .kernels.majorant import cell_majorants, range_maxima
+from .kernels.majorant import cell_majorants, mark_empty_cubes, range_maxima
 from .plan_lights import pack_lights
 from .scene import Camera, PixelFilter, Scene
 from .tables import DEEPEST_VOXEL, Tables, build_tables
@@ -51,15 +51,13 @@ class Plan:
     def explain(self) -> str:
         """Every effect, on or off, with its reason; then the notes."""
         width = max(len(effect.name) for effect in self.effects)
-        lines = [
-            f"{e.name:<{width}}  {'on ' if e.on else 'off'}  {e.reason}" for e in self.effects
-        ]
+        lines = [f"{e.name:<{width}}  {'on ' if e.on else 'off'}  {e.reason}" for e in self.effects]
         return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
 
     @property
     def empty(self) -> bool:
         """Whether nothing in the volume can scatter or absorb."""
-        return not bool(self.packed.medium.majorant.any())
+        return not bool((self.packed.medium.majorant > 0).any())
 
 
 def plan(scene: Scene) -> Plan:
@@ -81,7 +79,9 @@ def plan(scene: Scene) -> Plan:
     phase = packed.Phase(f32(scene.phase_g)) if abs(scene.phase_g) >= 1e-3 else None
     lights = pack_lights(scene)
     lit = lights.any
-    shadows = packed.Shadows(f32(min(scene.shadow_reach, 1e30))) if lit and scene.shadow_reach else None
+    shadows = (
+        packed.Shadows(f32(min(scene.shadow_reach, 1e30))) if lit and scene.shadow_reach else None
+    )
     ratio = packed.RatioTracking(f32(ROULETTE)) if shadows and scene.ratio_tracking else None
     transfer = packed.Transfer(
         tables.sigma_t, tables.colour, f32(voxels.lowest), f32(tables.per_scalar)
@@ -104,12 +104,20 @@ def plan(scene: Scene) -> Plan:
     return Plan(scene, result, effects, _notes(voxels, tables))
 
 
-def _vector(v: NDArray, kind: type = f32) -> packed.Vector:
-    return (kind(v[0]), kind(v[1]), kind(v[2]))
+def _vector(v: NDArray) -> packed.Vector:
+    return f32(v[0]), f32(v[1]), f32(v[2])
 
 
-def _matrix(m: NDArray, kind: type = f32) -> packed.Matrix:
-    return (_vector(m[0], kind), _vector(m[1], kind), _vector(m[2], kind))
+def _vector64(v: NDArray) -> packed.Vector64:
+    return f64(v[0]), f64(v[1]), f64(v[2])
+
+
+def _matrix(m: NDArray) -> packed.Matrix:
+    return _vector(m[0]), _vector(m[1]), _vector(m[2])
+
+
+def _matrix64(m: NDArray) -> packed.Matrix64:
+    return _vector64(m[0]), _vector64(m[1]), _vector64(m[2])
 
 
 def _medium(scene: Scene, voxels: Voxels, tables: Tables) -> packed.Medium:
@@ -119,6 +127,7 @@ def _medium(scene: Scene, voxels: Voxels, tables: Tables) -> packed.Medium:
         voxels.cell_lowest, voxels.cell_highest, range_maxima(tables.sigma_t),
         f32(voxels.lowest), f32(tables.per_scalar), majorant,
     )  # fmt: skip
+    mark_empty_cubes(majorant)
     lo, hi = _active_box(majorant, voxels.cell, np.array(scene.volume.shape) - 1)
     index_from_world = np.linalg.inv(scene.volume.index_to_world[:3, :3])
     return packed.Medium(
@@ -139,7 +148,8 @@ def _camera(scene: Scene) -> packed.Camera:
     camera, (width, height) = scene.camera, scene.size
     right, up, forward = camera.frame
     x_shift, y_shift = camera.window_centre
-    # Film (x, y) in pixels -> view coordinates a = -1 + x_shift + 2 x / width, b = 1 + y_shift - 2 y / height
+    # Film (x, y) in pixels -> view coordinates a = -1 + x_shift + 2 x / width, b = 1 + y_shift - 2
+    # y / height
     if camera.parallel_scale is None:
         extent = math.tan(math.radians(camera.view_angle) / 2)
     else:
@@ -153,10 +163,11 @@ def _camera(scene: Scene) -> packed.Camera:
         vectors = (position, still, still, forward + corner, *steps)
     else:
         vectors = (position + corner, *steps, forward, still, still)
+    origin, origin_x, origin_y, direction, direction_x, direction_y = map(_vector64, vectors)
     return packed.Camera(
-        *(_vector(v, f64) for v in vectors),
-        _matrix(np.linalg.inv(scene.volume.index_to_world[:3, :3]), f64),
-        _vector((np.array(scene.volume.shape) - 1) / 2, f64),
+        origin, origin_x, origin_y, direction, direction_x, direction_y,
+        _matrix64(np.linalg.inv(scene.volume.index_to_world[:3, :3])),
+        _vector64((np.array(scene.volume.shape) - 1) / 2),
         _filter_table(scene.pixel_filter),
     )  # fmt: skip
 
@@ -215,10 +226,12 @@ def _surface(
 
 
 def _empty_space(medium: packed.Medium) -> Effect:
-    share = float(np.mean(medium.majorant == 0))
+    share = float(np.mean(medium.majorant <= 0))
     if share == 1:
         return Effect("medium", False, "the transfer function makes the whole volume transparent")
-    return Effect("medium", True, f"delta tracking; {share:.0%} of the macrocells are empty and skipped")
+    return Effect(
+        "medium", True, f"delta tracking; {share:.0%} of the macrocells are empty and skipped"
+    )
 
 
 def _phase_effect(phase: packed.Phase | None) -> Effect:
@@ -255,5 +268,7 @@ def _notes(voxels: Voxels, tables: Tables) -> tuple[str, ...]:
             f"extinction was cut off at {DEEPEST_VOXEL:g} optical depths per smallest voxel edge"
         )
     if tables.too_fine:
-        notes.append(f"transfer function nodes lie closer than the table resolves ({tables.pitch:g})")
+        notes.append(
+            f"transfer function nodes lie closer than the table resolves ({tables.pitch:g})"
+        )
     return tuple(notes)

@@ -46,7 +46,7 @@ class PackedLights:
 
 
 def pack_lights(scene: Scene) -> PackedLights:
-    """Pack the lights of a scene; black ones are left out, except rectangles, which still block light."""
+    """Pack the lights of a scene; black ones are left out, but rectangles still block light."""
     from .plan import Effect
 
     ambient = _ambient(scene)
@@ -56,24 +56,37 @@ def pack_lights(scene: Scene) -> PackedLights:
     deltas = [
         light
         for light in scene.lights
-        if (isinstance(light, DirectionalLight) and any(light.irradiance))  # type: ignore[arg-type]
-        or (isinstance(light, PointLight) and any(light.intensity))  # type: ignore[arg-type]
+        if (isinstance(light, DirectionalLight) and any(_rgb(light.irradiance)))
+        or (isinstance(light, PointLight) and any(_rgb(light.intensity)))
     ]
     weights = [_rectangle_weight(light, scene) for light in rectangles]
     weights += [_delta_weight(light, scene) for light in deltas]
+    anchors = [_anchor(light, scene) for light in (*rectangles, *deltas)]
     if environment is not None:
         mean = float((maps[0].pixels.mean(axis=(0, 1)) @ LUMINANCE) * maps[0].scale)
         weights.append(math.pi * max(mean, 1e-30))
-    choice = _choice(weights, environment is not None, scene.light_sampling)
+        anchors.append((0.0, 0.0, 0.0, -1.0))
+    choice = _choice(weights, anchors, environment is not None, scene.light_sampling)
     effects = (
-        Effect("constant environment", ambient is not None, _why(ambient, "drawn by the scattering")),
+        Effect(
+            "constant environment", ambient is not None, _why(ambient, "drawn by the scattering")
+        ),
         Effect("environment map", environment is not None, _why(environment, "drawn by radiance")),
-        Effect("area lights", bool(rectangles), f"{len(rectangles)} rectangles" if rectangles else "none"),
+        Effect(
+            "area lights",
+            bool(rectangles),
+            f"{len(rectangles)} rectangles" if rectangles else "none",
+        ),
         Effect("point and directional lights", bool(deltas), _delta_reason(deltas)),
         _mis_effect(scene, choice, environment, rectangles),
     )
     return PackedLights(
-        ambient, environment, _rectangles(rectangles, scene), _deltas(deltas, scene), choice, effects
+        ambient,
+        environment,
+        _rectangles(rectangles, scene),
+        _deltas(deltas, scene),
+        choice,
+        effects,
     )
 
 
@@ -85,9 +98,7 @@ def _delta_reason(deltas: list) -> str:
     return f"{len(deltas)}, one shadow ray each time" if deltas else "none, or black"
 
 
-def _mis_effect(
-    scene: Scene, choice: object, environment: object, rectangles: list
-) -> Effect:
+def _mis_effect(scene: Scene, choice: object, environment: object, rectangles: list) -> Effect:
     from .plan import Effect
 
     name = "multiple importance sampling"
@@ -100,15 +111,25 @@ def _mis_effect(
 
 def _ambient(scene: Scene) -> packed.Ambient | None:
     for light in scene.lights:
-        if isinstance(light, ConstantEnvironment) and any(light.radiance):  # type: ignore[arg-type]
-            return packed.Ambient(tuple(f32(x) for x in light.radiance))  # type: ignore[arg-type,union-attr]
+        if isinstance(light, ConstantEnvironment) and any(_rgb(light.radiance)):
+            return packed.Ambient(_vector(light.radiance))
     return None
+
+
+def _rgb(value: object) -> tuple[float, float, float]:
+    """Return a validated colour of a light, which is three numbers by now."""
+    return value  # type: ignore[return-value]
+
+
+def _vector(value: object) -> packed.Vector:
+    r, g, b = _rgb(value)
+    return f32(r), f32(g), f32(b)
 
 
 def _environment(light: EnvironmentMap) -> packed.Environment:
     """Distribution over texels: exact mean of the bilinear interpolant times solid angle."""
     pixels = np.ascontiguousarray(light.pixels * f32(light.scale), f32)
-    rows, columns = pixels.shape[:2]
+    rows = len(pixels)
     luminance = pixels.astype(np.float64) @ LUMINANCE
     tall = np.pad(luminance, ((1, 1), (0, 0)), mode="edge")
     blurred = (tall[:-2] + 6 * tall[1:-1] + tall[2:]) / 8
@@ -207,17 +228,25 @@ def _delta_weight(light: DirectionalLight | PointLight, scene: Scene) -> float:
 
 
 def _choice(
-    weights: list[float], has_map: bool, light_sampling: str
+    weights: list[float], anchors: list[tuple], has_map: bool, light_sampling: str
 ) -> packed.LightChoice | None:
     w = np.array(weights, np.float64)
     shining = w > 0
     if not shining.any():
         return None
     even = shining / shining.sum()
-    cdf = _cdf(EVEN_SHARE * even + (1 - EVEN_SHARE) * w / w.sum())
     return packed.LightChoice(
-        cdf,
+        _table(EVEN_SHARE * even + (1 - EVEN_SHARE) * w / w.sum()),
+        _table(anchors),
         np.int32(len(weights) - 1 if has_map else -1),
         np.bool_(light_sampling != "scatter"),
         np.bool_(light_sampling != "light"),
     )
+
+
+def _anchor(light: RectangleLight | DirectionalLight | PointLight, scene: Scene) -> tuple:
+    """Where the light is seen: its position, or the direction to it."""
+    if isinstance(light, DirectionalLight):
+        return (*np.negative(light.direction), 0.0)
+    place = light.centre if isinstance(light, RectangleLight) else light.position
+    return (*np.subtract(place, scene.volume.centre), 1.0)

@@ -1,7 +1,7 @@
 """Looks: transfer function, surface, lights and exposure that go together.
 
-A look in HU expects a CT in Hounsfield units; `hu_offset` finds CTs that are stored with an offset and
-no tag that says so. A relative look spreads its nodes over the range of the data.
+A look in HU expects a CT in Hounsfield units; `hu_offset` finds CTs that are stored with an offset
+and no tag that says so. A relative look spreads its nodes over the range of the data.
 """
 
 from __future__ import annotations
@@ -17,7 +17,8 @@ from .studio import Studio, studio_lights
 
 Nodes = tuple[tuple[float, ...], ...]
 
-# Offsets with which scanners and archives store HU as unsigned numbers, and where soft tissue then peaks
+# Offsets with which scanners and archives store HU as unsigned numbers, and where soft tissue then
+# peaks
 STORED_OFFSETS = (1000, 1024)
 SOFT_TISSUE_HU, SOFT_TISSUE_WINDOW = 40.0, (-60.0, 140.0)
 
@@ -63,7 +64,7 @@ LOOKS = {
             "ct-bone",
             "bone of a CT, soft tissue transparent",
             "HU",
-            ((150.0, 0.0), (260.0, 0.12), (450.0, 0.75), (1200.0, 0.97)),
+            ((150.0, 0.0), (260.0, 0.12), (450.0, 0.75), (1200.0, 0.94)),
             (
                 (150.0, 0.42, 0.16, 0.09),
                 (300.0, 0.68, 0.46, 0.28),
@@ -71,7 +72,7 @@ LOOKS = {
                 (1500.0, 0.92, 0.88, 0.80),
             ),
             1.0,
-            Surface(0.7, specular=0.04, exponent=25.0),
+            Surface(0.95, specular=0.04, exponent=25.0),
             Studio(),
         ),
         Look(
@@ -85,8 +86,8 @@ LOOKS = {
                 (300.0, 0.80, 0.62, 0.48),
             ),
             1.0,
-            Surface(0.75, specular=0.03, exponent=12.0),
-            Studio(key=2.6, fill=0.45),
+            Surface(1.0, specular=0.03, exponent=12.0),
+            Studio(key=5.0, fill=0.6),
         ),
         Look(
             "mr-head",
@@ -100,7 +101,7 @@ LOOKS = {
                 (1.0, 0.90, 0.86, 0.80),
             ),
             1.0,
-            Surface(0.7, specular=0.03, exponent=15.0),
+            Surface(1.0, specular=0.03, exponent=15.0),
             Studio(),
         ),
         Look(
@@ -114,7 +115,7 @@ LOOKS = {
                 (1.0, 0.80, 0.80, 0.80),
             ),
             0.8,
-            Surface(0.8, specular=0.05, exponent=40.0),
+            Surface(0.9, specular=0.05, exponent=40.0),
             Studio(),
         ),
     )
@@ -146,10 +147,10 @@ def choose_look(values: NDArray, units: str = "") -> str:
 
 
 def hu_offset(values: NDArray) -> float | None:
-    """Number to add to values to get HU: 0 for HU, -1000 or -1024 for HU stored unsigned, None for neither.
+    """Number to add to values to get HU: 0, -1000 or -1024 for HU stored unsigned, None: not HU.
 
-    HU is told by air near -1000. Unsigned HU is told by air near 0 and the peak of soft tissue (about
-    40 HU) above it, which also tells the two offsets apart.
+    HU is told by air near -1000. Unsigned HU is told by air near 0 and the peak of soft tissue
+    (about 40 HU) above it, which also tells the two offsets apart.
     """
     sample = values[::2, ::2, ::2].ravel()
     low, high = float(np.nanmin(sample)), float(np.nanmax(sample))
@@ -222,7 +223,9 @@ def _hu_transfer(
             shift = 0.0
             notes = (f"the values do not look like HU, which {look.name} expects; give a shift",)
         elif shift:
-            notes = (f"values look like HU stored with an offset: {shift:+g} is added for the look",)
+            notes = (
+                f"values look like HU stored with an offset: {shift:+g} is added for the look",
+            )
     return _transfer(look, look.unit_distance, shift=-shift), notes
 
 

@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
-
-from . import checks, packed, schedule
-from .film import new_film
+from . import checks, schedule
+from .film import copy_film, new_film
 from .picture import Display, Picture
 from .plan import Plan, plan
 from .scene import Scene
@@ -57,8 +55,8 @@ def render_scene(
     """
     rules = _rules(samples, seconds, abort)
     checks.whole("seed", seed, least=0)
-    threads = schedule.default_threads() if threads is None else checks.whole(
-        "threads", threads, least=1
+    threads = (
+        schedule.default_threads() if threads is None else checks.whole("threads", threads, least=1)
     )
     planned = scene if isinstance(scene, Plan) else plan(scene)
     film = new_film(*planned.scene.size)
@@ -77,7 +75,7 @@ def continue_picture(
 ) -> Picture:
     """A picture with more samples; the one given stays as it is."""
     rules = _rules(samples, seconds, abort)
-    film = packed.Film(*(np.copy(part) for part in picture.film))
+    film = copy_film(picture.film)
     stopped_by, spent = schedule.run(
         picture.plan.packed, film, rules, picture.seed, picture.threads, progress
     )

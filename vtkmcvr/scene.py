@@ -27,7 +27,8 @@ class Volume:
         One real scalar per point, at least two points along each axis. NaN and infinite values are
         "no data": transparent.
     index_to_world : array (4, 4), optional
-        Affine map from index coordinates (i, j, k) to world: origin, spacing, direction, user matrix.
+        Affine map from index coordinates (i, j, k) to world: origin, spacing, direction, user
+        matrix.
     """
 
     values: NDArray
@@ -41,8 +42,8 @@ class Volume:
             )
         if min(values.shape) < 2:
             raise ValueError(
-                "a volume needs at least two points along each axis; this is a 2-D image or a single "
-                f"slice of {' x '.join(map(str, values.shape[::-1]))} points"
+                "a volume needs at least two points along each axis; this is a 2-D image or a "
+                f"single slice of {' x '.join(map(str, values.shape[::-1]))} points"
             )
         if values.dtype.kind not in "iufb":
             raise ValueError(f"a volume holds real numbers, got type {values.dtype}")
@@ -67,6 +68,20 @@ class Volume:
         matrix[:3, :3] = axes * np.asarray(checks.vector("spacing", spacing))
         matrix[:3, 3] = checks.vector("origin", origin)
         return cls(values, matrix)
+
+    def flipped(self, axes: str) -> Volume:
+        """The volume with some of its index axes ("i", "j", "k") running backwards in the world.
+
+        For files that do not say which way they were stored: "k" turns a head that stands on its
+        crown, left and right staying as they are.
+        """
+        if not axes or set(axes) - set("ijk") or len(set(axes)) < len(axes):
+            raise ValueError(f"flip takes axes out of i, j, k, such as k or ij; got {axes!r}")
+        matrix = self.index_to_world.copy()
+        for axis in ("ijk".index(letter) for letter in axes):
+            matrix[:3, 3] += matrix[:3, axis] * (self.shape[axis] - 1)
+            matrix[:3, axis] *= -1
+        return Volume(self.values, matrix)
 
     @property
     def shape(self) -> tuple[int, int, int]:
@@ -105,8 +120,8 @@ class TransferFunction:
     Parameters
     ----------
     opacity : Curve, optional
-        Opacity a per `unit_distance`, [0, 1]: sigma_t = -log1p(-a) / unit_distance. a = 1 is capped, see
-        `vtkmcvr.plan.OPAQUE_DEPTH`.
+        Opacity a per `unit_distance`, [0, 1]: sigma_t = -log1p(-a) / unit_distance. a = 1 is
+        capped, see `vtkmcvr.tables.OPAQUE_DEPTH`.
     colour : ColourCurve
         Single-scattering albedo of the volume and diffuse colour of surfaces, linear RGB, [0, 1].
     unit_distance : float
@@ -143,7 +158,8 @@ class Surface:
     Parameters
     ----------
     gradient_factor : float
-        g in P_brdf = opacity (1 - exp(-25 g^3 |grad|/max|grad|)), [0, 1]. 0: no surfaces, no gradients.
+        g in P_brdf = opacity (1 - exp(-25 g^3 |grad|/max|grad|)), [0, 1]. 0: no
+        surfaces, no gradients.
     always : bool
         BRDF at every collision that has a gradient, whatever `gradient_factor`.
     specular : colour
@@ -252,7 +268,8 @@ class PixelFilter:
     ----------
     kind : {"gaussian", "box", "tent"}
     width : float
-        Standard deviation of the Gaussian (cut off at three), half width of box and tent; pixels, > 0.
+        Standard deviation of the Gaussian (cut off at three), half width of box and tent; pixels, >
+        0.
     """
 
     kind: str = "gaussian"
@@ -285,8 +302,8 @@ class Scene:
     environment_visible : bool
         Whether camera rays that miss the volume see the environment.
     ratio_tracking : bool
-        Shadow rays estimate transmittance by ratio tracking (True), or as seen or not by delta tracking as
-        in Exposure Render (False).
+        Shadow rays estimate transmittance by ratio tracking (True), or as seen or not by delta
+        tracking as in Exposure Render (False).
     light_sampling : {"mis", "light", "scatter"}
         How directions toward light are drawn; "light" and "scatter" are for tests.
     size : (width, height)
@@ -322,5 +339,8 @@ class Scene:
         object.__setattr__(
             self,
             "size",
-            (checks.whole("film width", width, least=1), checks.whole("film height", height, least=1)),
+            (
+                checks.whole("film width", width, least=1),
+                checks.whole("film height", height, least=1),
+            ),
         )

@@ -89,7 +89,7 @@ def default_threads() -> int:
 
 
 def _compile(film: packed.Film, scene: packed.Scene, seed: int) -> None:
-    """Compile (or load from the cache) for this structure of scene, saying so when it takes long."""
+    """Compile, or load from the cache, for this structure of scene; say so when it takes long."""
     message = "compiling the kernels for this scene's effects (once; they are cached on disk)"
     timer = threading.Timer(COMPILE_MESSAGE_AFTER, logger.warning, [message])
     timer.daemon = True
@@ -122,7 +122,7 @@ class _Runner:
         self.start = time.perf_counter()
 
     def run(self, pool: ThreadPoolExecutor) -> str:
-        """Pass after pass. The first pass brings every pixel to the same count, then one more sample."""
+        """Pass after pass until a rule is met."""
         done = self.first
         while done < self.goal:
             target = self._next_target(done)

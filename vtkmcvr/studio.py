@@ -1,4 +1,4 @@
-"""A view of a volume and the lights around it: camera placement and a photographer's three lights."""
+"""A view of a volume and the lights around it: camera placement, key light, rim light, fill."""
 
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ from .scene import Camera, Volume
 
 Colour = tuple[float, float, float]
 
-# View directions by name, in LPS (x left, y posterior, z superior): where the camera looks, what is up
+# View directions by name, in LPS (x left, y posterior, z superior): where the camera looks, what is
+# up
 VIEWS = {
     "front": ((0.0, 1.0, 0.0), (0.0, 0.0, 1.0)),
     "back": ((0.0, -1.0, 0.0), (0.0, 0.0, 1.0)),
@@ -32,17 +33,17 @@ class Studio:
     Attributes
     ----------
     key, rim : float
-        Irradiance at the volume's centre, of a warm rectangle up on the left of the camera and of a cool
-        one behind on the right.
+        Irradiance at the volume's centre, of a warm rectangle up on the left of the camera and of a
+        cool one behind on the right.
     fill : float
         Radiance of the constant environment.
     softness : float
         Edge of the key light over the radius of the volume.
     """
 
-    key: float = 3.0
-    rim: float = 1.2
-    fill: float = 0.35
+    key: float = 6.0
+    rim: float = 2.5
+    fill: float = 0.45
     softness: float = 1.2
     warm: Colour = (1.0, 0.93, 0.84)
     cool: Colour = (0.82, 0.91, 1.0)
@@ -58,8 +59,9 @@ def view_camera(
     zoom: float = 1.0,
     view_angle: float = 30.0,
     aspect: float = 4 / 3,
+    corners: NDArray | None = None,
 ) -> Camera:
-    """Camera that sees the whole volume.
+    """Camera that sees the whole volume, or a part of it.
 
     Parameters
     ----------
@@ -74,6 +76,8 @@ def view_camera(
         Vertical angle of view in degrees.
     aspect : float
         Width over height of the film.
+    corners : array (n, 3), optional
+        World points that shall fill the view. Default: the corners of the volume.
     """
     if view not in VIEWS:
         raise ValueError(f"view is one of {', '.join(VIEWS)}; got {view!r}")
@@ -83,8 +87,9 @@ def view_camera(
     right = np.cross(forward, up)
     forward, up = _turn(forward, up, right, -math.radians(checks.number("elevation", elevation)))
     forward, up = _turn(forward, up, forward, -math.radians(checks.number("roll", roll)))
-    centre = volume.centre
-    distance, height = _fit(volume.corners - centre, forward, up, view_angle, aspect)
+    corners = volume.corners if corners is None else np.asarray(corners, np.float64)
+    centre = (corners.min(0) + corners.max(0)) / 2
+    distance, height = _fit(corners - centre, forward, up, view_angle, aspect)
     angle = 2 * math.degrees(math.atan(height / zoom))
     position = centre - distance * forward
     return Camera(
@@ -105,7 +110,7 @@ def _turn(forward: NDArray, up: NDArray, axis: NDArray, angle: float) -> tuple[N
 def _fit(
     corners: NDArray, forward: NDArray, up: NDArray, view_angle: float, aspect: float
 ) -> tuple[float, float]:
-    """Distance to the centre and tangent of half the view angle that hold all corners, with a margin."""
+    """Distance to the centre, and tangent of half the view angle that holds all corners."""
     tangent = math.tan(math.radians(view_angle) / 2)
     radius = float(np.linalg.norm(corners, axis=1).max())
     distance = radius / math.sin(math.radians(view_angle) / 2)
@@ -145,9 +150,13 @@ def _panel(
 ) -> RectangleLight:
     """Square that sends about this irradiance to the centre it faces."""
     solid_angle = edge * edge / float(np.sum((position - centre) ** 2))
-    radiance = tuple(irradiance / solid_angle * c for c in tint)
+    radiance = np.asarray(tint) * (irradiance / solid_angle)
     return RectangleLight(
-        tuple(position.tolist()), tuple(centre.tolist()), (edge, edge), radiance, tuple(up.tolist())
+        tuple(position.tolist()),
+        tuple(centre.tolist()),
+        (edge, edge),
+        tuple(radiance.tolist()),
+        tuple(up.tolist()),
     )
 
 

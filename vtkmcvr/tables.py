@@ -12,8 +12,8 @@ from .voxels import Voxels
 
 # Table entries: at least, for float data, at most
 FEWEST, FLOAT_ENTRIES, MOST = 4096, 16384, 2**17
-# An opacity of 1 stands for this optical depth over the shorter of unit distance and smallest voxel edge:
-# a transmittance of 2^-24, the resolution of float32 alpha.
+# An opacity of 1 stands for this optical depth over the shorter of unit distance and smallest voxel
+# edge: a transmittance of 2^-24, the resolution of float32 alpha.
 OPAQUE_DEPTH = 24 * float(np.log(2.0))
 # Extinction is at most this much over the smallest voxel edge, so that no walk stalls (HC-09).
 DEEPEST_VOXEL = 64.0

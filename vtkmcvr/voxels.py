@@ -1,4 +1,4 @@
-"""Voxels as kernels want them, with what is computed from them once: ranges, cells, largest gradient."""
+"""Voxels as kernels want them, with what is computed from them once."""
 
 from __future__ import annotations
 
@@ -12,8 +12,10 @@ from numpy.typing import NDArray
 from .kernels.majorant import fill_cell_ranges, largest_gradient
 from .scene import Volume
 
-# Voxels along the edge of a macrocell
-CELL = 4
+# Edge of a macrocell in voxels: small cells waste fewer tentative collisions at surfaces, large
+# ones take less memory and fewer steps. Measured best at 3 (tests/bench/bench_cells.py); larger
+# where the grid would pass MOST_CELLS.
+SMALLEST_CELL, MOST_CELLS = 3, 2**21
 # Types that kernels read as they are; everything else is converted once
 NATIVE = ("uint8", "int16", "uint16", "float32")
 EXACT_IN_FLOAT32 = 2**24
@@ -27,7 +29,7 @@ class Voxels:
     ----------
     values : array (k, j, i), C order, writeable, of a type in `NATIVE`
     offset : float
-        scalar = stored value + offset; not 0 only where float32 could not hold the scalars.
+        scalar = stored value + offset; 0 unless float32 could not hold the scalars.
     lowest, highest : float
         Range of the stored finite values.
     integer : bool
@@ -54,7 +56,7 @@ class Voxels:
         return {}
 
     def largest_gradient(self, world_from_index_gradient: NDArray) -> float:
-        """Largest gradient magnitude over the voxels, scalar per world unit; computed once a map."""
+        """Largest gradient magnitude over the voxels, scalar per world unit; computed once."""
         key = world_from_index_gradient.tobytes()
         if key not in self._gradients:
             rows = tuple(tuple(np.float32(x) for x in row) for row in world_from_index_gradient)
@@ -74,13 +76,19 @@ def voxels_of(volume: Volume) -> Voxels:
 
 def _prepare(raw: NDArray) -> Voxels:
     values, offset, not_finite = _kernel_values(raw)
-    lowest, highest = _cell_ranges(values, CELL)
+    cell = cell_edge(values.shape)
+    lowest, highest = _cell_ranges(values, cell)
     low, high = float(lowest.min()), float(highest.max())
     if not np.isfinite(low) or not np.isfinite(high):
         finite = values[np.isfinite(values)]
         low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 0.0)
     integer = values.dtype.kind in "iu"
-    return Voxels(values, offset, low, high, integer, CELL, lowest, highest, not_finite)
+    return Voxels(values, offset, low, high, integer, cell, lowest, highest, not_finite)
+
+
+def cell_edge(shape: tuple[int, ...]) -> int:
+    """Edge of the macrocells for a grid of this many points, index units."""
+    return max(SMALLEST_CELL, int(np.ceil(np.cbrt(np.prod(shape, dtype=float) / MOST_CELLS))))
 
 
 def _cell_ranges(values: NDArray, cell: int) -> tuple[NDArray, NDArray]:
@@ -130,7 +138,8 @@ def _as_float32(raw: NDArray) -> tuple[NDArray, float]:
     largest = max(abs(low), abs(high))
     if largest > np.finfo(np.float32).max / 4:
         raise ValueError(
-            f"the volume's values reach {largest:g}; rescale them to below 8e37, the range of float32"
+            f"the volume's values reach {largest:g}; rescale them to below 8e37, the range of "
+            "float32"
         )
     offset = low if 0 < high - low < 1e-3 * largest else 0.0
     return (raw - offset).astype(np.float32), offset

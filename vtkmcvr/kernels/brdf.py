@@ -1,8 +1,8 @@
 """Surface scattering: when it happens, and the Fresnel blend of Ashikhmin and Shirley.
 
-Exposure Render (2012), Eq. 1-3 in their corrected form, and its references 35 and 36. The published source
-of Exposure Render adds a coat to a full Lambert term, which reflects up to twice the light that arrives;
-this is the energy-conserving blend that the paper names.
+Exposure Render (2012), Eq. 1-3 in their corrected form, and its references 35 and 36. The published
+source of Exposure Render adds a coat to a full Lambert term, which reflects up to twice the light
+that arrives; this is the energy-conserving blend that the paper names.
 """
 
 import math
@@ -25,7 +25,7 @@ NO_NORMAL = (ZERO, ZERO, ZERO)
 
 @device
 def surface_probability(surface, alpha, magnitude):
-    """P_brdf = alpha (1 - exp(-25 g^3 |grad tau_n|)), Exposure Render Eq. 1 corrected; in [0, 1]."""
+    """P_brdf = alpha (1 - exp(-25 g^3 |grad tau_n|)), Exposure Render Eq. 1 corrected."""
     return alpha * -math.expm1(-surface.exponent_scale * min(magnitude * surface.per_gradient, ONE))
 
 
@@ -33,8 +33,9 @@ def surface_probability(surface, alpha, magnitude):
 def surface_event(surface, medium, transfer, p, scalar, wo, rng):
     """Decide whether the collision at index position p scatters by the BRDF.
 
-    Returns (True or False, normal, rng); the normal is on the side of wo. No gradient is fetched where
-    the bound P_brdf <= alpha (1 - exp(-25 g^3)) already says no (HC-20); none exists without `surface`.
+    Returns (True or False, normal, rng); the normal is on the side of wo. No gradient is fetched
+    where the bound P_brdf <= alpha (1 - exp(-25 g^3)) already says no (HC-20); none exists without
+    `surface`.
     """
     if surface is None:
         return False, NO_NORMAL, rng
@@ -83,11 +84,7 @@ def brdf_value(gloss, diffuse, n, wo, wi):
         return BLACK
     if gloss is None:
         return scale(diffuse, INVERSE_PI * cos_i)
-    body = (
-        BLEND
-        * (ONE - (ONE - HALF * cos_i) ** 5)
-        * (ONE - (ONE - HALF * cos_o) ** 5)
-    )
+    body = BLEND * (ONE - (ONE - HALF * cos_i) ** 5) * (ONE - (ONE - HALF * cos_o) ** 5)
     rs = gloss.specular
     under = (diffuse[0] * (ONE - rs[0]), diffuse[1] * (ONE - rs[1]), diffuse[2] * (ONE - rs[2]))
     f = scale(under, body)
@@ -117,7 +114,7 @@ def brdf_pdf(gloss, n, wo, wi):
 
 @device
 def sample_brdf(gloss, n, wo, rng):
-    """Direction with density `brdf_pdf`; it may lie below the surface, where value and density are 0.
+    """Direction with density `brdf_pdf`; below the surface both value and density are 0.
 
     Returns (wi, rng).
     """

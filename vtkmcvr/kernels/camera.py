@@ -17,7 +17,8 @@ HALF = 0.5
 def filtered_position(table, cell, u):
     """Film coordinate drawn from the pixel filter around the centre of pixel `cell`.
 
-    The jitter is drawn from the filter itself (filter importance sampling), so pixels stay uncorrelated.
+    The jitter is drawn from the filter itself (filter importance sampling), so pixels stay
+    uncorrelated.
     """
     x = u * f32(len(table) - 1)
     i = min(int(x), len(table) - 2)

@@ -1,7 +1,8 @@
 """Light from infinity: constant, or a latitude-longitude map sampled by its radiance.
 
-Local frame of a map: +y is up (row 0), columns run with atan2(x, -z). Pixels are values at texel centres,
-bilinear between them; a texel is chosen with the exact mean of that interpolant times its solid angle.
+Local frame of a map: +y is up (row 0), columns run with atan2(x, -z). Pixels are values at texel
+centres, bilinear between them; a texel is chosen with the exact mean of that interpolant times its
+solid angle.
 """
 
 import math

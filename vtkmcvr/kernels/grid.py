@@ -16,8 +16,8 @@ INFINITE = f32(1e30)
 def trilinear(values, p):
     """Scalar at index position p, clamped to the outer points; NaN where a corner is NaN.
 
-    `values` is [k, j, i]; every axis has at least two points. Indices are unsigned because signed ones
-    would each be tested for being negative.
+    `values` is [k, j, i]; every axis has at least two points. Indices are unsigned because signed
+    ones would each be tested for being negative.
     """
     nz, ny, nx = values.shape
     x = min(max(p[0], ZERO), f32(nx - 1))
@@ -76,8 +76,8 @@ def gradient(values, world_from_index_gradient, p):
 def box_interval(o, d, lo, hi):
     """Parametric interval in which the ray (o, d) is inside the box; empty if first >= second.
 
-    Slab test that lets no NaN through: a component of d that is zero leaves the interval as it is or empties
-    it. Works in the precision of its arguments.
+    Slab test that lets no NaN through: a component of d that is zero leaves the interval as it is
+    or empties it. Works in the precision of its arguments.
     """
     t0, t1 = -INFINITE, INFINITE
     for axis in range(3):

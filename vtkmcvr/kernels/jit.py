@@ -1,8 +1,8 @@
 """Every Numba option of the project, and the stamp that keeps its on-disk cache honest.
 
-Numba's own cache looks at the file that holds a function and not at the functions it calls: after an
-edit of `grid.py`, a cached `path.py` would go on running the old code. Here all kernels carry one
-stamp over all kernel sources, so that any edit rebuilds them all.
+Numba's own cache looks at the file that holds a function and not at the functions it calls: after
+an edit of `grid.py`, a cached `path.py` would go on running the old code. Here all kernels carry
+one stamp over all kernel sources, so that any edit rebuilds them all.
 """
 
 from __future__ import annotations

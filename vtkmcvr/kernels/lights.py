@@ -1,7 +1,7 @@
 """Finite and directional lights: what they send to a point, and which of them a ray meets.
 
-Every light answers with a LightSample. Rectangles block light, with either side; delta lights (directional,
-point) can't be met by a ray, so only light sampling finds them.
+Every light answers with a LightSample. Rectangles block light, with either side; delta lights
+(directional, point) can't be met by a ray, so only light sampling finds them.
 """
 
 import math
@@ -9,14 +9,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .environment import cdf_index, sample_environment
+from .environment import sample_environment
 from .grid import INFINITE
 from .jit import device
 from .rng import uniform
-from .vec import BLACK, at, dot, scale, sub
+from .vec import BLACK, at, dot, normalize, scale, sub
 
 f32 = np.float32
-ZERO, ONE = f32(0.0), f32(1.0)
+ZERO, HALF, ONE = f32(0.0), f32(0.5), f32(1.0)
+LEAST_COSINE = f32(0.1)
 NO_DIRECTION = (ZERO, ZERO, ONE)
 DIRECTIONAL, POINT = 0, 1
 
@@ -90,14 +91,60 @@ def rectangle_radiance(rectangles, index, wi):
 
 
 @device
-def rectangle_pdf(rectangles, choice, index, wi, distance):
+def light_weight(choice, i, x, on_surface, normal):
+    """Estimated contribution of light i at x: its irradiance, times the cosine on a surface.
+
+    At least a tenth of it where the light's middle is below the horizon, since its edge may be
+    above.
+    """
+    weight = choice.weight[i]
+    if not on_surface:
+        return weight
+    kind = choice.anchor[i, 3]
+    if kind < ZERO:
+        return HALF * weight
+    anchor = row(choice.anchor, i)
+    toward = normalize(sub(anchor, scale(x, kind)))
+    return weight * max(dot(normal, toward), LEAST_COSINE)
+
+
+@device
+def light_chance(choice, i, x, on_surface, normal):
+    """Probability with which `choose_light` takes light i."""
+    if choice is None:
+        return ZERO
+    total = ZERO
+    for k in range(len(choice.weight)):
+        total += light_weight(choice, k, x, on_surface, normal)
+    return light_weight(choice, i, x, on_surface, normal) / total
+
+
+@device
+def choose_light(choice, x, on_surface, normal, rng):
+    """One light by estimated contribution. Returns (index, probability, rng)."""
+    rng, u = uniform(rng)
+    n = len(choice.weight)
+    total = ZERO
+    for k in range(n):
+        total += light_weight(choice, k, x, on_surface, normal)
+    left = u * total
+    for k in range(n):
+        weight = light_weight(choice, k, x, on_surface, normal)
+        if left < weight:
+            return k, weight / total, rng
+        left -= weight
+    # The sum of the parts may fall short of the total by rounding
+    return n - 1, light_weight(choice, n - 1, x, on_surface, normal) / total, rng
+
+
+@device
+def rectangle_pdf(rectangles, chance, index, wi, distance):
     """Density per steradian with which light sampling finds this direction, selection included."""
-    if rectangles is None or choice is None:
+    if rectangles is None:
         return ZERO
     cosine = rectangle_facing(rectangles, index, wi)
     if cosine <= ZERO:
         return ZERO
-    chance = choice.cdf[index + 1] - choice.cdf[index]
     return chance * distance * distance / (cosine * rectangles.area[index])
 
 
@@ -185,11 +232,11 @@ def ask_map(environment, chance, rng):
 
 
 @device
-def sample_light(choice, rectangles, delta_lights, environment, x, rng):
+def sample_light(choice, rectangles, delta_lights, environment, x, on_surface, normal, rng):
     """One light, chosen by its estimated contribution, and a direction toward it."""
-    rng, u = uniform(rng)
-    i, _ = cdf_index(choice.cdf, u)
-    chance = choice.cdf[i + 1] - choice.cdf[i]
+    i, chance, rng = choose_light(choice, x, on_surface, normal, rng)
+    if chance <= ZERO:
+        return LightSample(NO_DIRECTION, ZERO, BLACK, ZERO, -1), rng
     if i == choice.environment:
         return ask_map(environment, chance, rng)
     n = count_rectangles(rectangles)

@@ -1,8 +1,8 @@
-"""Macrocells: range of the scalar in each, and the largest extinction the transfer function gives to it.
+"""Macrocells: range of the scalar in each, and the largest extinction that it can have.
 
-The ranges depend on the voxels only. After an edit of the transfer function `cell_majorants` alone runs
-again: one look-up a cell in a table of range maxima, no voxel touched. That answers the reason for which
-Exposure Render declined macrocells (its section on Woodcock tracking).
+The ranges depend on the voxels only. After an edit of the transfer function `cell_majorants` alone
+runs again: one look-up a cell in a table of range maxima, no voxel touched. That answers the reason
+for which Exposure Render declined macrocells (its section on Woodcock tracking).
 """
 
 import math
@@ -15,6 +15,15 @@ f32 = np.float32
 # Interpolated scalars and table look-ups may exceed their exact bounds by a few float32 roundings.
 ROUNDING = f32(1e-6)
 TABLE_SLACK = f32(1e-2)
+EMPTY = f32(1e6)
+# Neighbours (k, j, i) that precede a cell in storage order, as offsets to subtract
+BEFORE = tuple(
+    (dz, dy, dx)
+    for dz in (0, 1)
+    for dy in (-1, 0, 1)
+    for dx in (-1, 0, 1)
+    if (dz, dy, dx) > (0, 0, 0)
+)
 
 
 @device
@@ -71,7 +80,8 @@ def cell_majorants(lowest, highest, maxima, table_lowest, per_scalar, out):
                 if not a <= b:
                     out[cz, cy, cx] = f32(0.0)
                     continue
-                # A constant cell is interpolated without rounding, so that empty cells stay exactly empty
+                # A constant cell is interpolated without rounding, so that empty cells stay exactly
+                # empty
                 slack = TABLE_SLACK if a < b else f32(0.0)
                 x = min(max((a - table_lowest) * per_scalar - slack, f32(0.0)), f32(last))
                 y = min(max((b - table_lowest) * per_scalar + slack, f32(0.0)), f32(last))
@@ -81,6 +91,44 @@ def cell_majorants(lowest, highest, maxima, table_lowest, per_scalar, out):
                     level += 1
                 m = max(maxima[level, first], maxima[level, final + 1 - (1 << level)])
                 out[cz, cy, cx] = m * (f32(1.0) + ROUNDING)
+
+
+@device
+def nearest_before(radius, z, y, x, step):
+    """One more than the smallest radius among the 13 neighbours that a sweep has already visited.
+
+    `step` is 1 or -1, the direction of the sweep; beyond the grid all is empty.
+    """
+    nz, ny, nx = radius.shape
+    best = EMPTY
+    for dz, dy, dx in BEFORE:
+        k, j, i = z - step * dz, y - step * dy, x - step * dx
+        if 0 <= k < nz and 0 <= j < ny and 0 <= i < nx:
+            best = min(best, radius[k, j, i] + f32(1.0))
+    return best
+
+
+@entry_point
+def mark_empty_cubes(majorant):
+    """Replace zero majorants by minus the radius of the empty cube around the cell, in cells.
+
+    Radius r: all cells up to r away along any axis are empty too. Two sweeps give the exact
+    chessboard distance to the nearest occupied cell (Rosenfeld and Pfaltz, Pattern Recognition
+    1(1), 1968), less one.
+    """
+    nz, ny, nx = majorant.shape
+    radius = np.where(majorant > f32(0.0), f32(0.0), EMPTY)
+    for z in range(nz):
+        for y in range(ny):
+            for x in range(nx):
+                if radius[z, y, x] > f32(0.0):
+                    radius[z, y, x] = min(radius[z, y, x], nearest_before(radius, z, y, x, 1))
+    for z in range(nz - 1, -1, -1):
+        for y in range(ny - 1, -1, -1):
+            for x in range(nx - 1, -1, -1):
+                if radius[z, y, x] > f32(0.0):
+                    radius[z, y, x] = min(radius[z, y, x], nearest_before(radius, z, y, x, -1))
+                    majorant[z, y, x] = f32(1.0) - radius[z, y, x]
 
 
 @entry_point

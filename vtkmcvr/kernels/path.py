@@ -6,7 +6,13 @@ from .brdf import brdf_pdf, brdf_value, sample_brdf, surface_event
 from .environment import ambient_radiance, environment_pdf, environment_radiance
 from .grid import box_interval
 from .jit import device
-from .lights import nearest_rectangle, rectangle_pdf, rectangle_radiance, sample_light
+from .lights import (
+    light_chance,
+    nearest_rectangle,
+    rectangle_pdf,
+    rectangle_radiance,
+    sample_light,
+)
 from .phase import phase_value, sample_phase
 from .tracking import sample_collision, transmittance
 from .transfer import colour
@@ -71,7 +77,7 @@ def light_by_light(choice, scene, x, p, on_surface, normal, albedo, wo, rng):
     if not choice.by_light:
         return BLACK, rng
     light, rng = sample_light(
-        choice, scene.rectangles, scene.delta_lights, scene.environment, x, rng
+        choice, scene.rectangles, scene.delta_lights, scene.environment, x, on_surface, normal, rng
     )
     if largest(light.radiance) <= ZERO:
         return BLACK, rng
@@ -89,25 +95,26 @@ def light_by_light(choice, scene, x, p, on_surface, normal, albedo, wo, rng):
 
 
 @device
-def light_met(scene, choice, x, wi, pdf):
-    """Weighted radiance that a ray along wi, drawn with density pdf, would meet; and the distance."""
+def light_met(scene, choice, x, on_surface, normal, wi, pdf):
+    """Weighted radiance that a ray along wi, of density pdf, would meet; and the distance."""
     index, distance = nearest_rectangle(scene.rectangles, x, wi, False)
     if index >= 0:
         L = rectangle_radiance(scene.rectangles, index, wi)
-        other = rectangle_pdf(scene.rectangles, choice, index, wi, distance)
+        chance = light_chance(choice, index, x, on_surface, normal)
+        other = rectangle_pdf(scene.rectangles, chance, index, wi, distance)
         return weighted(choice, L, pdf, other), distance
     L = environment_radiance(scene.environment, wi)
-    other = map_pdf(choice, scene.environment, wi)
+    other = map_pdf(choice, scene.environment, x, on_surface, normal, wi)
     return add(ambient_radiance(scene.ambient), weighted(choice, L, pdf, other)), distance
 
 
 @device
-def map_pdf(choice, environment, wi):
+def map_pdf(choice, environment, x, on_surface, normal, wi):
     """Density with which light sampling draws wi from the environment map, selection included."""
     if choice is None or environment is None:
         return ZERO
-    i = choice.environment
-    return (choice.cdf[i + 1] - choice.cdf[i]) * environment_pdf(environment, wi)
+    chance = light_chance(choice, choice.environment, x, on_surface, normal)
+    return chance * environment_pdf(environment, wi)
 
 
 @device
@@ -123,7 +130,9 @@ def weighted(choice, L, pdf, other):
 
 
 @device
-def light_by_scatter(ambient, environment, rectangles, scene, x, p, on_surface, normal, albedo, wo, rng):
+def light_by_scatter(
+    ambient, environment, rectangles, scene, x, p, on_surface, normal, albedo, wo, rng
+):
     """Direct light, direction drawn by the scattering function. Returns (L, rng).
 
     Where every light is a delta light no such ray exists (no draw, no lookup).
@@ -136,7 +145,7 @@ def light_by_scatter(ambient, environment, rectangles, scene, x, p, on_surface, 
     pdf = scatter_pdf(scene, on_surface, normal, wo, wi)
     if not pdf > ZERO:
         return BLACK, rng
-    L, distance = light_met(scene, scene.choice, x, wi, pdf)
+    L, distance = light_met(scene, scene.choice, x, on_surface, normal, wi, pdf)
     f = mul(scale(scatter_value(scene, on_surface, normal, albedo, wo, wi), ONE / pdf), L)
     if largest(f) <= ZERO:
         return BLACK, rng
@@ -146,7 +155,7 @@ def light_by_scatter(ambient, environment, rectangles, scene, x, p, on_surface, 
 
 @device
 def background(scene, d, index):
-    """What a camera ray that leaves the volume sees: a visible rectangle or environment, or nothing."""
+    """What a camera ray sees behind the volume: a visible rectangle, environment, or nothing."""
     if index >= 0:
         return rectangle_radiance(scene.rectangles, index, d)
     if not scene.environment_visible:
@@ -158,8 +167,8 @@ def background(scene, d, index):
 def radiance(scene, origin, d, rng):
     """One camera path. Returns (L, 1 or 0 for a collision in the volume, its distance).
 
-    `origin` is float64; the ray is computed in float64 until it enters the volume, so that a camera far
-    away or a volume far from the world's origin costs no precision (HC-08).
+    `origin` is float64; the ray is computed in float64 until it enters the volume, so that a camera
+    far away or a volume far from the world's origin costs no precision (HC-08).
     """
     camera, medium = scene.camera, scene.medium
     o_index = add(camera.index_of_centre, transform(camera.index_from_world, origin))
@@ -184,11 +193,18 @@ def radiance(scene, origin, d, rng):
     on_surface, normal, rng = surface_event(
         scene.surface, medium, scene.transfer, p, scalar, wo, rng
     )
-    by_light, rng = light_by_light(
-        scene.choice, scene, x, p, on_surface, normal, albedo, wo, rng
-    )
+    by_light, rng = light_by_light(scene.choice, scene, x, p, on_surface, normal, albedo, wo, rng)
     by_scatter, rng = light_by_scatter(
-        scene.ambient, scene.environment, scene.rectangles,
-        scene, x, p, on_surface, normal, albedo, wo, rng,
+        scene.ambient,
+        scene.environment,
+        scene.rectangles,
+        scene,
+        x,
+        p,
+        on_surface,
+        normal,
+        albedo,
+        wo,
+        rng,
     )
     return add(by_light, by_scatter), True, enter + t

@@ -1,6 +1,6 @@
 """Phase functions: isotropic, Henyey-Greenstein.
 
-wo and wi both point away from the scattering point, so light goes straight on when wi = -wo; hence the
+wo and wi both point away from the scattering point; light goes straight on when wi = -wo, hence the
 + 2 g cos in the denominator. Source: Henyey and Greenstein 1941; form as in pbrt.
 """
 

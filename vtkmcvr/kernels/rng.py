@@ -1,9 +1,9 @@
 """Counter-based random numbers, keyed by (seed, pixel, sample, dimension).
 
-The state is one 64-bit word: a key hashed from (seed, pixel, sample) plus, for each dimension drawn, the
-golden-ratio increment; the number is SplitMix64's finaliser of it (Steele, Lea, Flood, "Fast splittable
-pseudorandom number generators", OOPSLA 2014). The n-th number of a path is a pure function of
-(seed, pixel, sample, n): no thread, tile or interruption can change it.
+The state is one 64-bit word: a key hashed from (seed, pixel, sample) plus, for each dimension
+drawn, the golden-ratio increment; the number is SplitMix64's finaliser of it (Steele, Lea, Flood,
+"Fast splittable pseudorandom number generators", OOPSLA 2014). The n-th number of a path is a pure
+function of (seed, pixel, sample, n): no thread, tile or interruption can change it.
 """
 
 import numpy as np
@@ -37,7 +37,9 @@ def mix(z):
 @device
 def start(seed, pixel, sample):
     """State before dimension 0 of one sample of one pixel."""
-    return mix(mix(u64(seed) + GOLDEN * (u64(pixel) + u64(1))) + SAMPLE_STRIDE * (u64(sample) + u64(1)))
+    return mix(
+        mix(u64(seed) + GOLDEN * (u64(pixel) + u64(1))) + SAMPLE_STRIDE * (u64(sample) + u64(1))
+    )
 
 
 @device
@@ -51,8 +53,8 @@ def uniform(rng):
 def logarithm(x):
     """Natural logarithm of a positive, normal float32, to 2e-7 relative.
 
-    By atanh series on [sqrt(1/2), sqrt(2)]. Inline, where a call of the C library's logarithm would spill
-    every register of the medium walker around it: four times as fast there.
+    By atanh series on [sqrt(1/2), sqrt(2)]. Inline, where a call of the C library's logarithm would
+    spill every register of the medium walker around it: four times as fast there.
     """
     bits = f32(x).view(i32)
     exponent = (bits - SQRT_HALF_BITS) >> MANTISSA_BITS

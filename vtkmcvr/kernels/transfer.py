@@ -12,7 +12,7 @@ NEXT = np.uintp(1)
 
 @device
 def table_position(transfer, scalar):
-    """Entry and fraction. The table spans the volume's scalars; rounding may pass its ends by a hair."""
+    """Entry and fraction. The table spans all scalars; rounding may pass its ends by a hair."""
     x = (scalar - transfer.lowest) * transfer.per_scalar
     i = min(i32(x), i32(len(transfer.sigma_t) - 2))
     return index(i), x - f32(i)

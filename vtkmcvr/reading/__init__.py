@@ -1,0 +1,1 @@
+"""Readers of volume files, one module per format; `vtkmcvr.readers` chooses between them."""

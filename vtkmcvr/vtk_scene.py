@@ -1,0 +1,29 @@
+"""VTK objects <-> parts of a scene. Needs VTK 9.2 or newer and NumPy, no PyVista."""
+
+from __future__ import annotations
+
+from .vtk_camera import camera_of, default_camera, vtk_camera_of
+from .vtk_image import array_of_image, image_of_arrays, image_of_picture
+from .vtk_lights import default_headlight, light_of, lights_of
+from .vtk_matrix import matrix_of
+from .vtk_property import phase_of, refuse_mapper_features, surface_of, transfer_of
+from .vtk_volume import VolumeCache, volume_of
+
+__all__ = [
+    "VolumeCache",
+    "array_of_image",
+    "camera_of",
+    "default_camera",
+    "default_headlight",
+    "image_of_arrays",
+    "image_of_picture",
+    "light_of",
+    "lights_of",
+    "matrix_of",
+    "phase_of",
+    "refuse_mapper_features",
+    "surface_of",
+    "transfer_of",
+    "volume_of",
+    "vtk_camera_of",
+]
