@@ -87,7 +87,8 @@ LOOKS = {
             ),
             1.0,
             Surface(1.0, specular=0.03, exponent=12.0),
-            Studio(key=5.0, fill=0.6),
+            Studio(key=6.0, fill=0.7),
+            exposure=0.5,
         ),
         Look(
             "mr-head",
@@ -153,7 +154,10 @@ def hu_offset(values: NDArray) -> float | None:
     (about 40 HU) above it, which also tells the two offsets apart.
     """
     sample = values[::2, ::2, ::2].ravel()
-    low, high = float(np.nanmin(sample)), float(np.nanmax(sample))
+    sample = sample[np.isfinite(sample)]
+    if not sample.size:
+        return None
+    low, high = float(sample.min()), float(sample.max())
     if -4000 <= low <= -500 and 200 < high < 60000:
         return 0.0
     if low < -100 or high < 1500 or high > 60000:

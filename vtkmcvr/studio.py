@@ -26,6 +26,10 @@ VIEWS = {
 }
 
 
+# Room around a volume that fills the view
+MARGIN = 1.02
+
+
 @dataclass(frozen=True)
 class Studio:
     """Key light, rim light and fill.
@@ -73,7 +77,8 @@ def view_camera(
     zoom : float
         > 0; 2 shows half the height.
     view_angle : float
-        Vertical angle of view in degrees.
+        Degrees under which the sphere around the volume is seen; sets the distance. The camera's own
+        angle is then fitted to the volume.
     aspect : float
         Width over height of the film.
     corners : array (n, 3), optional
@@ -111,7 +116,6 @@ def _fit(
     corners: NDArray, forward: NDArray, up: NDArray, view_angle: float, aspect: float
 ) -> tuple[float, float]:
     """Distance to the centre, and tangent of half the view angle that holds all corners."""
-    tangent = math.tan(math.radians(view_angle) / 2)
     radius = float(np.linalg.norm(corners, axis=1).max())
     distance = radius / math.sin(math.radians(view_angle) / 2)
     right = np.cross(forward, up)
@@ -120,7 +124,7 @@ def _fit(
         float((np.abs(corners @ up) / depth).max()),
         float((np.abs(corners @ right) / depth).max()) / aspect,
     )
-    return distance, min(need * 1.02, tangent)
+    return distance, need * MARGIN
 
 
 def studio_lights(studio: Studio, volume: Volume, camera: Camera) -> tuple[Light, ...]:

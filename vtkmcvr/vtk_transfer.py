@@ -29,8 +29,7 @@ def opacity_curve(function: vtkPiecewiseFunction) -> Curve:
     nodes = _nodes(function, 4)
     clamp = bool(function.GetClamping())
     if _is_logarithmic(function):
-        positions = _positions(nodes, logarithmic=True)
-        nodes = np.array([(x, function.GetValue(x)) for x in positions])
+        nodes = _sampled(function, nodes, 1, logarithmic=True)
     return Curve(_tuples(nodes), clamp)
 
 
@@ -54,9 +53,12 @@ def colour_curve(function: vtkColorTransferFunction) -> ColourCurve:
     ends = bool(function.GetUseBelowRangeColor() or function.GetUseAboveRangeColor())
     if function.GetColorSpace() == RGB and not logarithmic and not ends:
         return ColourCurve(_tuples(nodes), clamp=bool(function.GetClamping()))
-    positions = _positions(nodes, logarithmic, ends)
-    colours = np.clip([_colour(function, x) for x in positions], 0.0, 1.0)
-    table = np.column_stack([positions, colours])
+    table = _sampled(function, nodes, 3, logarithmic)
+    if ends:
+        margin = ((table[-1, 0] - table[0, 0]) or max(abs(table[0, 0]), 1.0)) / SAMPLES
+        outside = [table[0, 0] - margin, table[-1, 0] + margin]
+        table = np.vstack([table, *(_table(function, x, x, 1, 3) for x in outside)])
+    table[:, 1:] = np.clip(table[:, 1:], 0.0, 1.0)
     return ColourCurve(_tuples(table), clamp=ends or bool(function.GetClamping()))
 
 
@@ -72,8 +74,8 @@ def grey_curve(function: vtkPiecewiseFunction) -> ColourCurve:
     logarithmic = _is_logarithmic(function)
     # A sharp node of a piecewise function is smooth, of a colour function a step
     if logarithmic or (nodes[:, SHARPNESS] > STEP_ABOVE).any():
-        positions = _positions(nodes, logarithmic)
-        nodes = np.array([(x, function.GetValue(x), 0.5, 0.0) for x in positions])
+        samples = _sampled(function, nodes, 1, logarithmic)
+        nodes = np.column_stack([samples, np.full(len(samples), 0.5), np.zeros(len(samples))])
     table = nodes[:, [0, 1, 1, 1, 2, 3]]
     if function.GetClamping():
         return ColourCurve(_tuples(table))
@@ -98,28 +100,34 @@ def _is_logarithmic(function: vtkPiecewiseFunction) -> bool:
     return bool(getattr(function, "GetUseLogScale", int)())
 
 
-def _positions(
-    nodes: NDArray[np.float64], logarithmic: bool, ends: bool = False
+def _sampled(
+    function: Any, nodes: NDArray[np.float64], channels: int, logarithmic: bool
 ) -> NDArray[np.float64]:
-    """Sorted places to sample: nodes, between them, and just outside where `ends` is set."""
-    x = np.unique(nodes[:, 0])
-    count = max(FEWEST, SAMPLES // max(1, len(x) - 1)) + 1
-    between = [_between(low, high, count, logarithmic) for low, high in itertools.pairwise(x)]
-    margin = ((x[-1] - x[0]) or max(abs(x[0]), 1.0)) / SAMPLES
-    outside = [x[0] - margin, x[-1] + margin] if ends else []
-    return np.unique(np.concatenate([x, *between, outside]))
+    """Close samples over the range of the nodes, (n, 1 + channels)."""
+    edges = np.unique(nodes[:, 0])
+    # VTK falls back to a linear scale
+    logarithmic = logarithmic and edges[0] > 0
+    count = max(FEWEST, SAMPLES // max(1, len(edges) - 1)) + 1
+    tables = [_table(function, edges[0], edges[0], 1, channels)]
+    for low, high in itertools.pairwise(edges):
+        tables.append(_table(function, low, high, count, channels, logarithmic)[1:])
+    # At the end of its last interval, a function that is not clamped may be over
+    tables[-1][-1, 1:] = nodes[-1, 1 : 1 + channels]
+    return np.concatenate(tables)
 
 
-def _between(low: float, high: float, count: int, logarithmic: bool) -> NDArray[np.float64]:
-    spread = np.geomspace if logarithmic and low > 0 else np.linspace
-    return spread(low, high, count)[1:-1]
-
-
-def _colour(function: vtkColorTransferFunction, x: float) -> list[float]:
-    """Colour as volume mappers look it up."""
-    rgb = [0.0, 0.0, 0.0]
-    function.GetTable(x, x, 1, rgb)
-    return rgb
+def _table(
+    function: Any, low: float, high: float, count: int, channels: int, logarithmic: bool = False
+) -> NDArray[np.float64]:
+    """Rows of position and value as volume mappers look them up, (count, 1 + channels)."""
+    values = np.empty(count * channels)
+    if logarithmic and channels == 1:
+        function.GetTable(low, high, count, values, 1, 1)
+    else:
+        # A colour function spaces its entries by its own scale
+        function.GetTable(low, high, count, values)
+    positions = (np.geomspace if logarithmic else np.linspace)(low, high, count)
+    return np.column_stack([positions, values.reshape(count, channels)])
 
 
 def _tuples(table: NDArray[np.float64]) -> tuple[tuple[float, ...], ...]:
