@@ -2,6 +2,8 @@
 PYTHON ?= python3
 VENV ?= .venv
 RUN := $(VENV)/bin/python -m
+# The package as it is when installed, with filters/ in its place
+TREE := build/lint
 INSTALL := $(RUN) pip install --quiet --disable-pip-version-check
 
 .PHONY: demo test slow lint bench clean
@@ -31,8 +33,10 @@ slow: $(VENV)/installed-test
 
 lint: $(VENV)/installed-lint
 	$(RUN) ruff check .
-	$(VENV)/bin/lint-imports
-	$(RUN) mypy
+	rm -rf $(TREE) && mkdir -p $(TREE)
+	cp -r vtkmcvr $(TREE)/ && cp -r filters $(TREE)/vtkmcvr/filters
+	cd $(TREE) && PYTHONPATH=. $(CURDIR)/$(VENV)/bin/lint-imports --config $(CURDIR)/pyproject.toml
+	cd $(TREE) && $(CURDIR)/$(VENV)/bin/mypy --config-file $(CURDIR)/pyproject.toml
 
 # Camera paths per second beside Mitsuba, in one run
 bench: $(VENV)/installed-test

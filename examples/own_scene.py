@@ -1,6 +1,6 @@
 """Every part of a scene by hand: transfer function, lights, lens, surface; then refine and save.
 
-    python examples/own_scene.py [PICTURE.png]
+python examples/own_scene.py [PICTURE.png]
 """
 
 import sys

@@ -1,6 +1,6 @@
 """A PyVista script: read or make a volume, render it with physically based light, show the result.
 
-    python examples/pyvista_script.py [PICTURE.png [VOLUME]]
+python examples/pyvista_script.py [PICTURE.png [VOLUME]]
 """
 
 import sys

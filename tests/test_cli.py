@@ -66,7 +66,10 @@ def test_json_holds_what_was_measured(volume_file, tmp_path):
     volume = facts["volume"]
     assert volume["dimensions"] == [24, 24, 24]
     assert volume["spacing"] == pytest.approx(head_phantom(24).spacing)
-    assert volume["range"] == [int(head_phantom(24).values.min()), int(head_phantom(24).values.max())]
+    assert volume["range"] == [
+        int(head_phantom(24).values.min()),
+        int(head_phantom(24).values.max()),
+    ]
     assert facts["version"]
 
 
@@ -150,7 +153,7 @@ def test_not_volumes(tmp_path, capsys):
     for name in ("flat.nrrd", "rgb.nrrd", "text.nrrd", "empty"):
         assert main(["render", str(tmp_path / name), "-o", str(tmp_path / "p.png")]) == 2
         error = capsys.readouterr().err
-        assert error.count("\n") == 1 and name in error or "component" in error, error
+        assert (error.count("\n") == 1 and name in error) or "component" in error, error
         assert not (tmp_path / "p.png").exists()
 
 

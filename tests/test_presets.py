@@ -67,7 +67,7 @@ def test_constant_and_empty_volumes_can_be_dressed(values):
 
 
 def test_unknown_preset_lists_the_looks():
-    with pytest.raises(ValueError, match="preset is one of ct-bone, .*got 'ct-bnoe'"):
+    with pytest.raises(ValueError, match=r"preset is one of ct-bone, .*got 'ct-bnoe'"):
         look_named("ct-bnoe")
 
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from .camera import camera_ray
-from .jit import device, entry_point
+from .jit import device, kernel
 from .path import radiance
 from .rng import start
 
@@ -29,7 +29,7 @@ def accumulate(film, row, column, L, hit, depth):
         film.depth[row, column] += (depth - film.depth[row, column]) / hits
 
 
-@entry_point
+@kernel
 def render_tile(film, scene, row_0, row_1, column_0, column_1, target, seed):
     """Bring every pixel of a tile up to `target` samples; continues where the film is."""
     width = film.count.shape[1]

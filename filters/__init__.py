@@ -1,0 +1,8 @@
+"""Pipeline filters: VTK algorithms that render volumes and show what they rendered."""
+
+from __future__ import annotations
+
+from .monte_carlo import MonteCarloFilter
+from .tone_map import ToneMapFilter
+
+__all__ = ["MonteCarloFilter", "ToneMapFilter"]

@@ -1,0 +1,68 @@
+"""Radiance -> display picture."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from vtkmodules.vtkCommonCore import VTK_UNSIGNED_CHAR
+from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkImageData
+
+from vtkmcvr import checks
+from vtkmcvr.display import to_rgba8
+from vtkmcvr.vtk_scene import array_of_image, image_of_arrays
+
+from .base import ImageFilter
+from .parameters import Parameter, optional
+
+RGBA_COMPONENTS = 4
+
+
+def _background(value: Any) -> tuple[float, float, float]:
+    colour = checks.colour("background", value)
+    if max(colour) > 1:
+        raise ValueError(f"background is sRGB from 0 to 1, got {colour}")
+    return colour
+
+
+class ToneMapFilter(ImageFilter):
+    """Turns the radiance of a picture into 8-bit sRGB; changing it traces no ray upstream.
+
+    Input: vtkImageData with the point array "radiance" of `MonteCarloFilter`. Output: an image of
+    the same geometry with the uint8 point array "rgba" (active, straight alpha).
+
+    Parameters
+    ----------
+    **settings
+        Any parameter by name: `ToneMapFilter(exposure=1.0)`.
+    """
+
+    exposure = Parameter(
+        0.0, lambda v: checks.number("exposure", v),
+        "Stops; +1 doubles the brightness before tone mapping.",
+    )  # fmt: skip
+    background = Parameter(
+        None, optional(_background), "sRGB from 0 to 1 behind the volume. None: transparent."
+    )
+
+    def RequestInformation(self, request: Any, inputs: Any, outputs: Any) -> int:
+        """Announce 8-bit RGBA; the extent is the input's."""
+        info = outputs.GetInformationObject(0)
+        vtkDataObject.SetPointDataActiveScalarInfo(info, VTK_UNSIGNED_CHAR, RGBA_COMPONENTS)
+        return 1
+
+    def produce(self, image: vtkImageData) -> vtkImageData:
+        """Return the display picture of an image with radiance."""
+        radiance = array_of_image(image, "radiance")
+        if radiance.shape[2] != RGBA_COMPONENTS:
+            raise ValueError(
+                "the array 'radiance' has red, green, blue and alpha, "
+                f"got {radiance.shape[2]} components"
+            )
+        rgba = to_rgba8(
+            radiance[..., :3], radiance[..., 3], exposure=self.exposure, background=self.background
+        )
+        shown = image_of_arrays({"rgba": rgba})
+        result = vtkImageData()
+        result.CopyStructure(image)
+        result.GetPointData().SetScalars(shown.GetPointData().GetScalars())
+        return result

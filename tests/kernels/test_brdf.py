@@ -1,0 +1,242 @@
+"""The Fresnel blend and the hybrid choice between surface and volume."""
+
+import math
+
+import numpy as np
+import pytest
+from scenes import WHITE, frontal, scene, volume
+
+from vtkmcvr import packed
+from vtkmcvr.curves import Curve
+from vtkmcvr.kernels.brdf import brdf_pdf, brdf_value, surface_event, surface_probability
+from vtkmcvr.kernels.jit import entry_point
+from vtkmcvr.kernels.rng import start
+from vtkmcvr.plan import plan
+from vtkmcvr.scene import Surface, TransferFunction
+
+f32 = np.float32
+UP = (f32(0), f32(0), f32(1))
+EXPONENTS = [0.0, 1.0, 1e2, 1e6]
+
+
+@entry_point
+def values_and_densities(gloss, diffuse, n, wo, wi):
+    out = np.empty((len(wi), 4), np.float32)
+    for i in range(len(wi)):
+        d = (wi[i, 0], wi[i, 1], wi[i, 2])
+        out[i, :3] = brdf_value(gloss, diffuse, n, wo, d)
+        out[i, 3] = brdf_pdf(gloss, n, wo, d)
+    return out
+
+
+@entry_point
+def surface_share(surface, medium, transfer, p, scalar, wo, n):
+    count = 0
+    normal = (np.float32(0), np.float32(0), np.float32(0))
+    for i in range(n):
+        yes, m, _ = surface_event(surface, medium, transfer, p, scalar, wo, start(5, i, 0))
+        if yes:
+            count += 1
+            normal = m
+    return count, normal
+
+
+def direction(theta, phi=0.0):
+    """Unit vector at an angle (degrees) to +z."""
+    theta, phi = math.radians(theta), math.radians(phi)
+    v = (math.sin(theta) * math.cos(phi), math.sin(theta) * math.sin(phi), math.cos(theta))
+    return tuple(f32(x) for x in v)
+
+
+def gloss(specular, exponent):
+    return packed.Gloss(tuple(f32(x) for x in np.broadcast_to(specular, 3)), f32(exponent))
+
+
+def colour(value):
+    return tuple(f32(x) for x in np.broadcast_to(value, 3))
+
+
+def grid(m=512, n=40):
+    """Midpoints of the unit square, (m * n, 2)."""
+    u, v = (np.arange(m) + 0.5) / m, (np.arange(n) + 0.5) / n
+    return np.stack(np.meshgrid(u, v, indexing="ij"), -1).reshape(-1, 2)
+
+
+def on_hemisphere(cosine, phi):
+    sine = np.sqrt(np.maximum(0, 1 - cosine**2))
+    return np.stack([sine * np.cos(phi), sine * np.sin(phi), cosine], -1)
+
+
+def directional_albedo(coat, diffuse, wo):
+    """Integral of the BRDF times cosine, by quadrature warped to each lobe (balance heuristic)."""
+    u = grid()
+    phi = 2 * np.pi * u[:, 1]
+    body = on_hemisphere(np.sqrt(u[:, 0]), phi)
+    h = on_hemisphere(u[:, 0] ** (1 / (float(coat.exponent) + 1)), phi)
+    o = np.array(wo, np.float64)
+    lobe = 2 * (h @ o)[:, None] * h - o
+    total = np.zeros(3)
+    for wi in (body, lobe):
+        out = values_and_densities(coat, diffuse, UP, wo, wi.astype(f32)).astype(np.float64)
+        # density is the mean of both lobes', so value / (2 density) is the balance heuristic's
+        # share
+        fine = out[:, 3] > 0
+        total += (out[fine, :3] / (2 * out[fine, 3:])).sum(axis=0) / len(wi)
+    return total
+
+
+def reference(coat, diffuse, wo, wi):
+    """Fresnel blend times cosine in float64, straight from the formula; n is +z."""
+    o, i = np.array(wo, np.float64), np.asarray(wi, np.float64)
+    rs, e = np.array(coat.specular, np.float64), float(coat.exponent)
+    cos_o, cos_i = o[2], i[..., 2]
+    h = i + o
+    length = np.linalg.norm(h, axis=-1, keepdims=True)
+    # wi.h of unit vectors; the product of float32 ones is wrong by 1e-7 / length
+    h, cos_h = h / length, length[..., 0] / 2
+    # log of h_z next to 1, from its sine
+    log_nh = 0.5 * np.log1p(-np.minimum(h[..., 0] ** 2 + h[..., 1] ** 2, 1 - 1e-300))
+    d = (e + 2) / (2 * math.pi) * np.exp(e * log_nh)
+    fresnel = rs + (1 - rs) * ((1 - cos_h) ** 5)[..., None]
+    body = 28 / (23 * math.pi) * (1 - (1 - cos_i / 2) ** 5) * (1 - (1 - cos_o / 2) ** 5)
+    coat_part = fresnel * (d / (4 * cos_h * np.maximum(cos_i, cos_o)))[..., None]
+    return (np.array(diffuse) * (1 - rs) * body[..., None] + coat_part) * cos_i[..., None]
+
+
+@pytest.mark.parametrize(("theta", "expected"), [(0, 0.970), (45, 0.890), (75, 0.641)])
+def test_fresnel_blend_has_its_known_albedo(theta, expected):
+    # R_d = 1, R_s = 0.04, exponent 100, D = (e + 2) / 2 pi
+    albedo = directional_albedo(gloss(0.04, 100), colour(1), direction(theta))
+    assert albedo == pytest.approx([expected] * 3, abs=0.005)
+
+
+@pytest.mark.parametrize("exponent", [0.0, 1.0, 10.0, 1e2, 1e4, 1e6])
+def test_no_surface_reflects_more_than_arrives(exponent):
+    for specular in (1e-3, 0.04, 0.5, 1.0):
+        for diffuse in (0.0, 0.5, 1.0):
+            for theta in (0, 20, 45, 70, 85, 89, 89.99):
+                albedo = directional_albedo(
+                    gloss(specular, exponent), colour(diffuse), direction(theta)
+                )
+                assert (albedo > 0).all()
+                # 1e-3 for float32 and the quadrature
+                assert (albedo <= 1.001).all(), (specular, diffuse, theta, albedo)
+
+
+def test_lambert_reflects_its_colour():
+    wi = on_hemisphere(np.sqrt(grid()[:, 0]), 2 * np.pi * grid()[:, 1]).astype(f32)
+    for theta in (0, 60, 89.9):
+        out = values_and_densities(None, colour((1, 0.5, 0.25)), UP, direction(theta), wi)
+        np.testing.assert_allclose(
+            (out[:, :3] / out[:, 3:]).mean(axis=0), (1, 0.5, 0.25), rtol=1e-5
+        )
+
+
+@pytest.mark.parametrize("exponent", EXPONENTS)
+def test_reciprocity(exponent):
+    # f_r(a, b) = f_r(b, a), to 1e-5 (of value / cosine)
+    coat, diffuse = gloss((0.04, 0.3, 1.0), exponent), colour((1.0, 0.5, 0.1))
+    rng = np.random.default_rng(2)
+    cosines = np.concatenate([rng.random(150), 10.0 ** rng.uniform(-4, 0, 50)])
+    d = on_hemisphere(cosines, 2 * np.pi * rng.random(200)).astype(f32)
+    # Pairs within the narrowest lobe, too: mirrored, then moved by a little
+    near = d * f32([-1, -1, 1]) + rng.normal(0, 1e-4, d.shape).astype(f32)
+    near /= np.linalg.norm(near, axis=1, keepdims=True)
+    for a, b in [(d[:100], d[100:]), (d[near[:, 2] > 0], near[near[:, 2] > 0])]:
+        for x, y in zip(a, b, strict=True):
+            there = values_and_densities(coat, diffuse, UP, tuple(x), y[None])[0, :3] / y[2]
+            back = values_and_densities(coat, diffuse, UP, tuple(y), x[None])[0, :3] / x[2]
+            np.testing.assert_allclose(there, back, rtol=1e-5, atol=1e-30)
+
+
+@pytest.mark.parametrize("exponent", EXPONENTS)
+@pytest.mark.parametrize("theta", [0, 45, 89, 89.99])
+def test_fresnel_blend_is_its_formula(theta, exponent):
+    coat, diffuse = gloss((0.04, 0.5, 1.0), exponent), colour((1.0, 0.2, 0.0))
+    wo = direction(theta)
+    mirror = np.array(wo) * [-1, -1, 1]
+    rng = np.random.default_rng(3)
+    spread = 10.0 ** rng.uniform(-5, 0, (2000, 1))
+    wi = mirror + spread * rng.normal(size=(2000, 3))
+    wi /= np.linalg.norm(wi, axis=1, keepdims=True)
+    wi = wi[wi[:, 2] > 1e-6].astype(f32)
+    found = values_and_densities(coat, diffuse, UP, wo, wi)
+    expected = reference(coat, diffuse, wo, wi)
+    assert np.isfinite(found).all()
+    # Rounding of the half vector, 1e-7, is a relative error of e |n - h| 1e-7 in its power; where
+    # the power counts, e |n - h|^2 / 2 is below 15, so the bound is 1e-7 sqrt(30 e), 5e-4 for e =
+    # 1e6
+    rtol = 1e-4 + 2e-7 * math.sqrt(30 * exponent)
+    np.testing.assert_allclose(found[:, :3], expected, rtol=rtol, atol=1e-6 * expected.max())
+
+
+def test_nothing_is_reflected_below_the_surface():
+    below = on_hemisphere(np.linspace(0, 1, 50), np.linspace(0, 6, 50)).astype(f32) * f32(
+        [1, 1, -1]
+    )
+    for coat in (None, gloss(0.5, 10)):
+        assert not values_and_densities(coat, colour(1), UP, direction(30), below).any()
+
+
+# Hybrid scattering
+
+
+@pytest.mark.parametrize(
+    ("g", "m", "expected"),
+    [(0.25, 1, 0.32), (0.5, 0.1, 0.268), (0.5, 0.5, 0.790), (0.5, 1, 0.956), (0.75, 0.1, 0.652),
+     (1, 0.01, 0.221), (1, 0.1, 0.918), (0.5, math.log(2) / 3.125, 0.5), (1, 1e-9, 2.5e-8)],
+)  # fmt: skip
+@pytest.mark.parametrize("alpha", [1.0, 0.3])
+def test_probability_of_a_surface(g, m, expected, alpha):
+    table = np.ones(2, f32)
+    rows = (UP, UP, UP)
+    surface = packed.Surface(table, rows, f32(1 / 40), f32(25 * g**3), np.bool_(False))
+    found = surface_probability(surface, f32(alpha), f32(40 * m))
+    assert found == pytest.approx(alpha * expected, abs=4e-3 * alpha)
+    assert found == pytest.approx(alpha * -math.expm1(-25 * g**3 * m), rel=1e-5)
+
+
+def two_slopes():
+    """Values rise by 1 per voxel along x up to 16, then by 0.1; the largest gradient is 1 / 0.5."""
+    x = np.arange(33)
+    row = np.where(x < 16, x, 16 + 0.1 * (x - 16)).astype(f32)
+    return volume(np.broadcast_to(row, (5, 5, 33)), (0.5, 1.0, 1.0))
+
+
+@pytest.mark.parametrize(("x", "m"), [(8.3, 1.0), (24.6, 0.1)])
+@pytest.mark.parametrize("g", [0.3, 0.8])
+def test_surfaces_happen_with_their_probability(x, m, g):
+    transfer = TransferFunction(Curve([(0, 0.6)]), WHITE)
+    parts = plan(scene(two_slopes(), transfer, frontal(), surface=Surface(g))).packed
+    wo = direction(30, 180)
+    n = 50_000
+    place = (f32(x), f32(2.2), f32(1.7))
+    scalar = f32(5.0)
+    count, normal = surface_share(parts.surface, parts.medium, parts.transfer, place, scalar, wo, n)
+    p = 0.6 * -math.expm1(-25 * g**3 * m)
+    # 4.5 binomial standard errors: 4 x 6.8e-6
+    assert abs(count - n * p) < 4.5 * math.sqrt(n * p * (1 - p))
+    # The gradient points along +x; the normal is on the viewer's side
+    np.testing.assert_allclose(normal, (-1, 0, 0), atol=1e-6)
+
+
+def test_no_surface_without_a_gradient():
+    values = two_slopes().values.copy()
+    values[:, :, :8] = 0
+    parts = plan(
+        scene(
+            volume(values), TransferFunction(Curve([(0, 0.6)]), WHITE), surface=Surface(always=True)
+        )
+    ).packed
+    for place, some in [((3, 2, 2), False), ((12, 2, 2), True)]:
+        count, normal = surface_share(
+            parts.surface,
+            parts.medium,
+            parts.transfer,
+            tuple(f32(c) for c in place),
+            f32(1),
+            UP,
+            100,
+        )
+        assert count == (100 if some else 0)
+        assert np.isfinite(normal).all()
