@@ -10,7 +10,7 @@ from vtkmodules.vtkCommonDataModel import vtkImageData
 from vtkmcvr import checks
 from vtkmcvr.picture import Picture
 from vtkmcvr.plan import Plan
-from vtkmcvr.render import render_scene
+from vtkmcvr.rendering import render_scene
 from vtkmcvr.scene import Scene
 from vtkmcvr.schedule import Progress
 from vtkmcvr.vtk_scene import image_of_picture

@@ -14,7 +14,7 @@ from vtkmcvr.lights import (
     PointLight,
     RectangleLight,
 )
-from vtkmcvr.render import render_scene
+from vtkmcvr.rendering import render_scene
 from vtkmcvr.scene import Camera, PixelFilter, Scene, Surface, TransferFunction, Volume
 
 BOX = PixelFilter("box", 0.5)

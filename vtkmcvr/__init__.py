@@ -19,7 +19,7 @@ _HOME = {
     "read": "readers",
     "render": "front",
     "scene_of": "front",
-    "render_scene": "render",
+    "render_scene": "rendering",
     "Picture": "picture",
     "Display": "picture",
     "read_environment": "environment_files",
@@ -57,7 +57,7 @@ if TYPE_CHECKING:
     from .phantom import head_phantom
     from .picture import Display, Picture
     from .readers import read
-    from .render import render_scene
+    from .rendering import render_scene
     from .scene import Camera, Lens, PixelFilter, Scene, Surface, TransferFunction, Volume
     from .studio import view_camera
 
@@ -66,7 +66,6 @@ def __getattr__(name: str) -> Any:
     if name not in _HOME:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     value = getattr(importlib.import_module(f".{_HOME[name]}", __name__), name)
-    # `render` is a function here and a module below: the function wins
     globals()[name] = value
     return value
 

@@ -13,7 +13,7 @@ from .lights import Light
 from .picture import Display, Picture
 from .plan import plan
 from .presets import Dressed, dress
-from .render import render_scene
+from .rendering import render_scene
 from .scene import Camera, Scene, TransferFunction, Volume
 from .schedule import Progress
 from .studio import view_camera

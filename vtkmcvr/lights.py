@@ -57,7 +57,11 @@ class EnvironmentMap(Light):
             raise ValueError("an environment map must be finite and not negative")
         checks.number("environment scale", self.scale, least=0.0)
         rotation = np.asarray(self.rotation, np.float64)
-        if rotation.shape != (3, 3) or not np.allclose(rotation @ rotation.T, np.eye(3), atol=1e-6):
+        if (
+            rotation.shape != (3, 3)
+            or not np.allclose(rotation @ rotation.T, np.eye(3), atol=1e-6)
+            or np.linalg.det(rotation) < 0
+        ):
             raise ValueError(f"environment rotation must be a 3x3 rotation, got {self.rotation!r}")
         object.__setattr__(self, "pixels", pixels)
         object.__setattr__(self, "rotation", rotation)

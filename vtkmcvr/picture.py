@@ -137,7 +137,7 @@ class Picture:
         abort: Callable[[], bool] | None = None,
     ) -> Picture:
         """Continue up to `samples` in all, or for `seconds` more; bits as if never interrupted."""
-        from .render import continue_picture
+        from .rendering import continue_picture
 
         return continue_picture(self, samples, seconds, progress, abort)
 

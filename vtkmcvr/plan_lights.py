@@ -212,7 +212,7 @@ def _rectangle_weight(light: RectangleLight, scene: Scene) -> float:
     toward = scene.volume.centre - np.array(light.centre)
     distance = max(float(np.linalg.norm(toward)), 1e-30)
     cosine = float(light.frame[2] @ toward) / distance
-    cosine = abs(cosine) if light.two_sided else max(cosine, 0.1)
+    cosine = max(abs(cosine) if light.two_sided else cosine, 0.1)
     area = light.size[0] * light.size[1]
     return float(np.dot(light.radiance, LUMINANCE)) * min(area * cosine / distance**2, math.pi)
 

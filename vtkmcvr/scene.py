@@ -295,7 +295,7 @@ class Scene:
     surface : Surface, optional
         None: volume scattering only.
     phase_g : float
-        Mean cosine of the Henyey-Greenstein phase function, (-1, 1); 0: isotropic.
+        Mean cosine of the Henyey-Greenstein phase function, -0.9999 to 0.9999; 0: isotropic.
     shadow_reach : float
         Distance from the scattering point within which the medium attenuates light, world units;
         inf: physically right; 0: no shadows.
@@ -329,7 +329,7 @@ class Scene:
         for kind in (ConstantEnvironment, EnvironmentMap):
             if sum(isinstance(light, kind) for light in self.lights) > 1:
                 raise ValueError(f"a scene takes at most one {kind.__name__}")
-        checks.number("phase_g", self.phase_g, above=-1.0, most=0.9999)
+        checks.number("phase_g", self.phase_g, least=-0.9999, most=0.9999)
         checks.number("shadow_reach", self.shadow_reach, least=0.0, finite=False)
         if self.light_sampling not in ("mis", "light", "scatter"):
             raise ValueError(

@@ -77,8 +77,8 @@ def view_camera(
     zoom : float
         > 0; 2 shows half the height.
     view_angle : float
-        Degrees under which the sphere around the volume is seen; sets the distance. The angle of the
-        camera is then fitted to the volume.
+        Degrees under which the sphere around the volume is seen; sets the distance. The angle of
+        the camera is then fitted to the volume.
     aspect : float
         Width over height of the film.
     corners : array (n, 3), optional

@@ -127,16 +127,16 @@ def _narrow_integers(raw: NDArray) -> tuple[NDArray, float]:
             return raw.astype(name), 0.0
     if max(abs(low), abs(high)) <= EXACT_IN_FLOAT32:
         return raw.astype(np.float32), 0.0
-    return _as_float32(raw)
+    return _as_float32(raw.astype(np.float64))
 
 
 def _as_float32(raw: NDArray) -> tuple[NDArray, float]:
     """float32 values; around an offset where the range is narrow against the magnitude."""
-    low, high = float(np.nanmin(raw, initial=np.inf)), float(np.nanmax(raw, initial=-np.inf))
-    if not low <= high:
+    if np.isnan(raw).all():
         return np.full(raw.shape, np.nan, np.float32), 0.0
+    low, high = float(np.nanmin(raw)), float(np.nanmax(raw))
     largest = max(abs(low), abs(high))
-    if largest > np.finfo(np.float32).max / 4:
+    if largest > float(np.finfo(np.float32).max) / 4:
         raise ValueError(
             f"the volume's values reach {largest:g}; rescale them to below 8e37, the range of "
             "float32"

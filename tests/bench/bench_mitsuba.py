@@ -32,7 +32,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import zoom
 
 from vtkmcvr.plan import Plan, plan
-from vtkmcvr.render import render_scene
+from vtkmcvr.rendering import render_scene
 from vtkmcvr.schedule import default_threads
 
 REPOSITORY = Path(__file__).resolve().parents[2]

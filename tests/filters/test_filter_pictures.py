@@ -12,7 +12,7 @@ from vtkmodules.vtkRenderingCore import vtkCamera, vtkLight, vtkVolumeProperty
 
 from vtkmcvr.filters import MonteCarloFilter, ToneMapFilter
 from vtkmcvr.lights import ConstantEnvironment, DirectionalLight, EnvironmentMap
-from vtkmcvr.render import render_scene
+from vtkmcvr.rendering import render_scene
 from vtkmcvr.scene import Camera, Lens, PixelFilter, Scene, Volume
 from vtkmcvr.vtk_scene import array_of_image
 

@@ -346,7 +346,7 @@ def test_lambert(wo):
 def test_fresnel_blend(wo, exponent):
     n = vector(0, 0, 1)
     gloss = packed.Gloss((f32(0.04),) * 3, f32(exponent))
-    bins = {"cosines": 20, "angles": 48, "finer": 40}
+    bins = {"cosines": 20, "angles": 48, "finer": 28}
     check(draw_brdf(gloss, n, wo, SEED, N), lambda d: brdf_density(gloss, n, wo, d), **bins)
 
 
@@ -354,7 +354,7 @@ def test_fresnel_blend_around_a_tilted_normal():
     n = vector(-0.3, 0.5, -0.8)
     wo = vector(-0.6, 0.4, -0.5)
     gloss = packed.Gloss((f32(0.5),) * 3, f32(10))
-    check(draw_brdf(gloss, n, wo, SEED, N), lambda d: brdf_density(gloss, n, wo, d), finer=40)
+    check(draw_brdf(gloss, n, wo, SEED, N), lambda d: brdf_density(gloss, n, wo, d), finer=28)
 
 
 # Environment map
@@ -387,7 +387,7 @@ def test_environment_map(rotation):
     directions = drawn[:, :3]
     # Texel edges cut through the bins: a fine midpoint rule leaves an error far below the counts'
     # noise
-    bins = {"cosines": 16, "angles": 16, "finer": 100}
+    bins = {"cosines": 16, "angles": 16, "finer": 64}
     check(directions, lambda d: environment_density(environment, d), **bins)
     # What the sampler says of its directions is what the other two functions say; at a texel's edge
     # the neighbour's density may be found after rounding

@@ -23,7 +23,7 @@ from scipy.stats import chi2
 from vtkmcvr.curves import ColourCurve
 from vtkmcvr.kernels.environment import environment_radiance
 from vtkmcvr.plan import plan
-from vtkmcvr.render import render_scene
+from vtkmcvr.rendering import render_scene
 
 pytestmark = pytest.mark.slow
 

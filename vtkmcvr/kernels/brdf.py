@@ -13,11 +13,12 @@ from .grid import gradient
 from .jit import device
 from .rng import uniform
 from .transfer import opacity
-from .vec import BLACK, add, dot, from_basis, normalize, orthonormal_basis, scale, sub
+from .vec import BLACK, add, dot, from_basis, orthonormal_basis, scale, sub
 from .warp import INVERSE_PI, TWO_PI, cosine_hemisphere
 
 f32 = np.float32
 ZERO, HALF, ONE, TWO, FOUR = f32(0.0), f32(0.5), f32(1.0), f32(2.0), f32(4.0)
+FIVE, TEN = f32(5.0), f32(10.0)
 BLEND = f32(28.0 / (23.0 * math.pi))
 INVERSE_2PI = f32(0.5 / math.pi)
 NO_NORMAL = (ZERO, ZERO, ZERO)
@@ -76,6 +77,26 @@ def schlick(specular, cosine):
 
 
 @device
+def half_vector(wo, wi):
+    """Unit vector between wo and wi, and the cosine of its angle to both.
+
+    The cosine is half the length of wo + wi, which stays precise where they are nearly
+    opposite.
+    """
+    s = add(wo, wi)
+    length = math.sqrt(dot(s, s))
+    if not length > ZERO:
+        return s, ZERO
+    return scale(s, ONE / length), HALF * length
+
+
+@device
+def grazing(x):
+    """1 - (1 - x)^5 without cancellation at small x, that is at grazing angles."""
+    return x * (FIVE + x * (-TEN + x * (TEN + x * (-FIVE + x))))
+
+
+@device
 def brdf_value(gloss, diffuse, n, wo, wi):
     """f_r(wo, wi) times the cosine of wi, RGB per steradian; zero below the surface."""
     cos_o = dot(n, wo)
@@ -84,12 +105,11 @@ def brdf_value(gloss, diffuse, n, wo, wi):
         return BLACK
     if gloss is None:
         return scale(diffuse, INVERSE_PI * cos_i)
-    body = BLEND * (ONE - (ONE - HALF * cos_i) ** 5) * (ONE - (ONE - HALF * cos_o) ** 5)
+    body = BLEND * grazing(HALF * cos_i) * grazing(HALF * cos_o)
     rs = gloss.specular
     under = (diffuse[0] * (ONE - rs[0]), diffuse[1] * (ONE - rs[1]), diffuse[2] * (ONE - rs[2]))
     f = scale(under, body)
-    h = normalize(add(wo, wi))
-    cos_h = dot(wi, h)
+    h, cos_h = half_vector(wo, wi)
     if cos_h > ZERO:
         d = (gloss.exponent + TWO) * INVERSE_2PI * blinn(gloss, n, h)
         f = add(f, scale(schlick(rs, cos_h), d / (FOUR * cos_h * max(cos_i, cos_o))))
@@ -104,8 +124,7 @@ def brdf_pdf(gloss, n, wo, wi):
         return ZERO
     if gloss is None:
         return cos_i * INVERSE_PI
-    h = normalize(add(wo, wi))
-    cos_h = dot(wo, h)
+    h, cos_h = half_vector(wo, wi)
     if cos_h <= ZERO:
         return HALF * cos_i * INVERSE_PI
     lobe = (gloss.exponent + ONE) * INVERSE_2PI * blinn(gloss, n, h) / (FOUR * cos_h)

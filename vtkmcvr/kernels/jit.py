@@ -30,11 +30,11 @@ def source_stamp() -> str:
 
 
 class _StampedCache(FunctionCache):
-    """Numba's on-disk cache, fresh only while no kernel source has changed."""
+    """Numba's on-disk cache, fresh while neither its file nor a kernel source has changed."""
 
     def __init__(self, py_func: Callable):
         super().__init__(py_func)
-        self._cache_file._source_stamp = source_stamp()
+        self._cache_file._source_stamp = (self._cache_file._source_stamp, source_stamp())
 
 
 def _cached(dispatcher):
@@ -45,7 +45,7 @@ def _cached(dispatcher):
 
 
 # Kernels allocate nothing, so Numba's reference counting is left out of them: it would count every
-# array of the scene up and down, atomically, at each call of a leaf (445 calls in a path against 14).
+# array of the scene up and down, atomically, at each call of a leaf (445 calls in a path, or 14).
 KERNEL = {"error_model": "numpy", "fastmath": FAST_MATH, "_nrt": False}
 
 

@@ -10,7 +10,7 @@ from vtkmcvr import schedule
 from vtkmcvr.lights import ConstantEnvironment
 from vtkmcvr.picture import Display
 from vtkmcvr.plan import plan
-from vtkmcvr.render import render_scene
+from vtkmcvr.rendering import render_scene
 
 LIT = scene(noise(), lights=(ConstantEnvironment(1.0),), size=(61, 47))
 # Takes seconds at the least on any machine

@@ -55,6 +55,8 @@ def render_scene(
     """
     rules = _rules(samples, seconds, abort)
     checks.whole("seed", seed, least=0)
+    if seed >= 2**63:
+        raise ValueError(f"seed must be below 2^63, got {seed}")
     threads = (
         schedule.default_threads() if threads is None else checks.whole("threads", threads, least=1)
     )
