@@ -319,7 +319,7 @@ class Scene:
     phase_g: float = 0.0
     shadow_reach: float = float("inf")
     environment_visible: bool = False
-    ratio_tracking: bool = False
+    ratio_tracking: bool = True
     light_sampling: str = "mis"
     size: tuple[int, int] = (800, 600)
     pixel_filter: PixelFilter = field(default_factory=PixelFilter)

@@ -27,7 +27,7 @@ def variants(scene):
     return {
         "as it is": scene,
         "no shadows": replace(scene, shadow_reach=0.0),
-        "ratio tracking": replace(scene, ratio_tracking=True),
+        "shadows seen or not": replace(scene, ratio_tracking=False),
         "no specular coat": replace(scene, surface=replace(scene.surface, specular=0.0)),
         "no surfaces": replace(scene, surface=None),
         "environment only": replace(scene, lights=tuple(x for x in lights if x not in area)),

@@ -1,14 +1,13 @@
 """The scalar field: interpolation, gradient, bounds. Positions are index coordinates (i, j, k)."""
 
-import math
-
 import numpy as np
 
 from .jit import device
 from .vec import transform
 
 f32, i32, index = np.float32, np.int32, np.uintp
-ZERO, NEXT = f32(0.0), np.uintp(1)
+ZERO, ONE = f32(0.0), f32(1.0)
+NEXT = np.uintp(1)
 INFINITE = f32(1e30)
 
 
@@ -41,33 +40,26 @@ def trilinear(values, p):
 
 
 @device
-def difference(values, p, axis, n):
-    """Central difference over one voxel along an index axis, one-sided at the border."""
-    lo = max(p[axis] - f32(1.0), f32(0.0))
-    hi = min(p[axis] + f32(1.0), f32(n - 1))
-    if axis == 0:
-        a = trilinear(values, (lo, p[1], p[2]))
-        b = trilinear(values, (hi, p[1], p[2]))
-    elif axis == 1:
-        a = trilinear(values, (p[0], lo, p[2]))
-        b = trilinear(values, (p[0], hi, p[2]))
-    else:
-        a = trilinear(values, (p[0], p[1], lo))
-        b = trilinear(values, (p[0], p[1], hi))
-    return (b - a) / (hi - lo)
+def slope(values, before, after, width):
+    """Difference quotient of the scalar between two index positions `width` apart along an axis."""
+    return (trilinear(values, after) - trilinear(values, before)) / width
 
 
 @device
 def gradient(values, world_from_index_gradient, p):
     """World-space gradient (scalar per world unit) at index position p, float32 3-tuple.
 
-    The inverse transpose of the index-to-world map turns index differences into world ones.
+    Central differences over one voxel, one-sided at the border (HC-22); the inverse transpose of the
+    index-to-world map turns index differences into world ones.
     """
     nz, ny, nx = values.shape
+    x0, x1 = max(p[0] - ONE, ZERO), min(p[0] + ONE, f32(nx - 1))
+    y0, y1 = max(p[1] - ONE, ZERO), min(p[1] + ONE, f32(ny - 1))
+    z0, z1 = max(p[2] - ONE, ZERO), min(p[2] + ONE, f32(nz - 1))
     g = (
-        difference(values, p, 0, nx),
-        difference(values, p, 1, ny),
-        difference(values, p, 2, nz),
+        slope(values, (x0, p[1], p[2]), (x1, p[1], p[2]), x1 - x0),
+        slope(values, (p[0], y0, p[2]), (p[0], y1, p[2]), y1 - y0),
+        slope(values, (p[0], p[1], z0), (p[0], p[1], z1), z1 - z0),
     )
     return transform(world_from_index_gradient, g)
 
@@ -91,10 +83,3 @@ def box_interval(o, d, lo, hi):
             t0 = max(t0, min(near, far))
             t1 = min(t1, max(near, far))
     return t0, t1
-
-
-@device
-def gradient_magnitude(values, world_from_index_gradient, p):
-    """Length of the world-space gradient at p."""
-    g = gradient(values, world_from_index_gradient, p)
-    return math.sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2])

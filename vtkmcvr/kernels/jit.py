@@ -54,6 +54,16 @@ def device(function: Callable):
     return _cached(njit(forceinline=True, **KERNEL)(function))
 
 
+def glue(function: Callable):
+    """Merge a function into its callers before they are typed, instead of compiling it by itself.
+
+    For functions that hand the whole scene on: as functions of their own they would take hundreds of
+    arguments, a second of compilation each. They must not test their arguments for None, because
+    branches are pruned before the merge.
+    """
+    return njit(inline="always", **KERNEL)(function)
+
+
 def kernel(function: Callable):
     """Compile the launcher of a tile: called by Python, without the GIL; allocates nothing."""
     return _cached(njit(nogil=True, **KERNEL)(function))

@@ -61,7 +61,8 @@ def range_maxima(table):
     while (1 << levels) <= n:
         levels += 1
     out = np.empty((levels, n), f32)
-    out[0] = table
+    for i in range(n):
+        out[0, i] = table[i]
     for r in range(1, levels):
         half = 1 << (r - 1)
         for i in range(n):
@@ -117,7 +118,11 @@ def mark_empty_cubes(majorant):
     1(1), 1968), less one.
     """
     nz, ny, nx = majorant.shape
-    radius = np.where(majorant > f32(0.0), f32(0.0), EMPTY)
+    radius = np.empty(majorant.shape, f32)
+    for z in range(nz):
+        for y in range(ny):
+            for x in range(nx):
+                radius[z, y, x] = f32(0.0) if majorant[z, y, x] > f32(0.0) else EMPTY
     for z in range(nz):
         for y in range(ny):
             for x in range(nx):

@@ -5,7 +5,7 @@ import numpy as np
 from .brdf import brdf_pdf, brdf_value, sample_brdf, surface_event
 from .environment import ambient_radiance, environment_pdf, environment_radiance
 from .grid import box_interval
-from .jit import device
+from .jit import device, glue
 from .lights import (
     light_chance,
     nearest_rectangle,
@@ -34,7 +34,7 @@ def power_heuristic(p, q):
     return ONE / (ONE + ratio * ratio)
 
 
-@device
+@glue
 def scatter_value(scene, on_surface, normal, albedo, wo, wi):
     """Scattering function times cosine (surface) or phase function times albedo (volume)."""
     if on_surface:
@@ -42,7 +42,7 @@ def scatter_value(scene, on_surface, normal, albedo, wo, wi):
     return scale(albedo, phase_value(scene.phase, wo, wi))
 
 
-@device
+@glue
 def scatter_pdf(scene, on_surface, normal, wo, wi):
     """Density of `sample_scatter`."""
     if on_surface:
@@ -50,7 +50,7 @@ def scatter_pdf(scene, on_surface, normal, wo, wi):
     return phase_value(scene.phase, wo, wi)
 
 
-@device
+@glue
 def sample_scatter(scene, on_surface, normal, wo, rng):
     """Direction drawn by the scattering function."""
     if on_surface:
@@ -58,7 +58,7 @@ def sample_scatter(scene, on_surface, normal, wo, rng):
     return sample_phase(scene.phase, wo, rng)
 
 
-@device
+@glue
 def visibility(scene, p, wi, distance, rng):
     """Transmittance from index position p along wi over `distance`. Returns (T, rng)."""
     medium = scene.medium
@@ -94,7 +94,7 @@ def light_by_light(choice, scene, x, p, on_surface, normal, albedo, wo, rng):
     return scale(f, T), rng
 
 
-@device
+@glue
 def light_met(scene, choice, x, on_surface, normal, wi, pdf):
     """Weighted radiance that a ray along wi, of density pdf, would meet; and the distance."""
     index, distance = nearest_rectangle(scene.rectangles, x, wi, False)
@@ -153,7 +153,7 @@ def light_by_scatter(
     return scale(f, T), rng
 
 
-@device
+@glue
 def background(scene, d, index):
     """What a camera ray sees behind the volume: a visible rectangle, environment, or nothing."""
     if index >= 0:
@@ -163,7 +163,7 @@ def background(scene, d, index):
     return add(ambient_radiance(scene.ambient), environment_radiance(scene.environment, d))
 
 
-@device
+@glue
 def radiance(scene, origin, d, rng):
     """One camera path. Returns (L, 1 or 0 for a collision in the volume, its distance).
 
