@@ -177,8 +177,8 @@ class _Runner:
             if tile is None:
                 return
             row_0, row_1, column_0, column_1 = tile
-            # Close enough for rates: only a tile that an earlier run left half done has uneven counts
-            more = target - int(self.film.count[row_0, column_0])
+            # Close enough for rates: counts are uneven only where an earlier run was cut off
+            more = max(0, target - int(self.film.count[row_0, column_0]))
             render_tile(self.film, self.scene, *tile, target, np.int64(self.seed))
             with lock:
                 self.paths += more * (row_1 - row_0) * (column_1 - column_0)

@@ -1,13 +1,13 @@
 """Camera paths per second of vtkmcvr and Mitsuba 3 on the same scenes, in the same run.
 
-    python tests/bench/bench_mitsuba.py [--size 512] [--spp 2] [--repeats 3] [--json FILE]
+    python tests/bench/bench_mitsuba.py [--size 512] [--spp 8] [--repeats 2] [--json FILE]
 
 Both render single scattering in a 256^3 medium under a constant light, sparse and dense. They take
 turns, so that a machine that slows down slows both, and the median of the turns counts. Compilation
 and scene preparation are not counted: each renders once before. Ours runs with ratio tracking, our
-default, as Mitsuba does, and with binary shadow rays as Exposure Render does. Paths alone say little, so the table also
-has the NRMS error at equal samples and the speed at equal error: Mitsuba casts two shadow rays at a
-collision (by light and by phase function), we cast one. Both use all cores; the ratio of CPU times
+default, as Mitsuba does, and with binary shadow rays as Exposure Render does. Paths alone say
+little, so the table also has the NRMS error at equal samples and the speed at equal error: Mitsuba
+seems to cast two shadow rays at a collision (by light and by phase function), we cast one. Both use all cores; the ratio of CPU times
 is there because it hardly depends on what else the machine does.
 """
 
@@ -224,8 +224,8 @@ def main() -> int:
     """Measure, print, and fail if the images disagree."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--size", type=int, default=512, help="pixels along each edge")
-    parser.add_argument("--spp", type=int, default=2, help="samples per pixel of one turn")
-    parser.add_argument("--repeats", type=int, default=3, help="turns of each, at least 2")
+    parser.add_argument("--spp", type=int, default=8, help="samples per pixel of one turn")
+    parser.add_argument("--repeats", type=int, default=2, help="turns of each, at least 2")
     parser.add_argument("--json", type=Path, help="write everything measured here")
     args = parser.parse_args()
     if args.repeats < 2:

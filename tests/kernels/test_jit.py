@@ -81,7 +81,7 @@ def test_stamp_changes_with_any_kernel_source(tmp_path):
 
 
 def test_kernels_carry_the_stamp():
-    for kernel in (render_tile, path.radiance):
+    for kernel in (render_tile, path.light_by_light):
         assert isinstance(kernel._cache, jit._StampedCache)
         assert isinstance(kernel._cache, FunctionCache)
         assert jit.source_stamp() in str(kernel._cache._cache_file._source_stamp)

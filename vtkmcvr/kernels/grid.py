@@ -49,8 +49,8 @@ def slope(values, before, after, width):
 def gradient(values, world_from_index_gradient, p):
     """World-space gradient (scalar per world unit) at index position p, float32 3-tuple.
 
-    Central differences over one voxel, one-sided at the border (HC-22); the inverse transpose of the
-    index-to-world map turns index differences into world ones.
+    Central differences over one voxel, one-sided at the border (HC-22); the inverse transpose of
+    the index-to-world map turns index differences into world ones.
     """
     nz, ny, nx = values.shape
     x0, x1 = max(p[0] - ONE, ZERO), min(p[0] + ONE, f32(nx - 1))

@@ -57,8 +57,8 @@ def device(function: Callable):
 def glue(function: Callable):
     """Merge a function into its callers before they are typed, instead of compiling it by itself.
 
-    For functions that hand the whole scene on: as functions of their own they would take hundreds of
-    arguments, a second of compilation each. They must not test their arguments for None, because
+    For functions that hand the whole scene on: as functions of their own they would take hundreds
+    of arguments, a second of compilation each. They must not test their arguments for None, because
     branches are pruned before the merge.
     """
     return njit(inline="always", **KERNEL)(function)
