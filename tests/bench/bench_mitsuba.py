@@ -3,12 +3,13 @@
     python tests/bench/bench_mitsuba.py [--size 512] [--spp 8] [--repeats 2] [--json FILE]
 
 Both render single scattering in a 256^3 medium under a constant light, sparse and dense. They take
-turns, so that a machine that slows down slows both, and the median of the turns counts. Compilation
-and scene preparation are not counted: each renders once before. Ours runs with ratio tracking, our
-default, as Mitsuba does, and with binary shadow rays as Exposure Render does. Paths alone say
-little, so the table also has the NRMS error at equal samples and the speed at equal error: Mitsuba
-seems to cast two shadow rays at a collision (by light and by phase function), we cast one. Both use all cores; the ratio of CPU times
-is there because it hardly depends on what else the machine does.
+turns, so that a machine that slows down slows both, and the median of the turns counts.
+Compilation and scene preparation are not counted: each renders once before. Ours runs with ratio
+tracking, our default, as Mitsuba does, and with binary shadow rays as Exposure Render does. Paths
+alone say little, so the table also has the NRMS error at equal samples and the speed at equal
+error: Mitsuba seems to cast two shadow rays at a collision (by light and by phase function), we
+cast one. Both use all cores; the ratio of CPU times is there because it hardly depends on what
+else the machine does.
 """
 
 from __future__ import annotations
