@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from .jit import device
+from .jit import device, leaf
 from .vec import transform
 
 f32, i32, index = np.float32, np.int32, np.uintp
@@ -11,7 +11,7 @@ NEXT = np.uintp(1)
 INFINITE = f32(1e30)
 
 
-@device
+@leaf
 def trilinear(values, p):
     """Scalar at index position p, clamped to the outer points; NaN where a corner is NaN.
 
@@ -45,7 +45,7 @@ def slope(values, before, after, width):
     return (trilinear(values, after) - trilinear(values, before)) / width
 
 
-@device
+@leaf
 def gradient(values, world_from_index_gradient, p):
     """World-space gradient (scalar per world unit) at index position p, float32 3-tuple.
 
@@ -64,7 +64,7 @@ def gradient(values, world_from_index_gradient, p):
     return transform(world_from_index_gradient, g)
 
 
-@device
+@leaf
 def box_interval(o, d, lo, hi):
     """Parametric interval in which the ray (o, d) is inside the box; empty if first >= second.
 

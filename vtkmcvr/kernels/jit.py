@@ -49,9 +49,18 @@ def _cached(dispatcher):
 KERNEL = {"error_model": "numpy", "fastmath": FAST_MATH, "_nrt": False}
 
 
-def device(function: Callable):
-    """Compile a leaf: called by other kernels, on the CPU and (re-compiled) on CUDA."""
+def leaf(function: Callable):
+    """Compile a function that other kernels call and that Python may call too, as tests do."""
     return _cached(njit(forceinline=True, **KERNEL)(function))
+
+
+def device(function: Callable):
+    """Compile a function that only kernels call, on the CPU and (re-compiled) on CUDA.
+
+    It gets no wrapper for Python, which takes as long to compile as the function itself.
+    """
+    options = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+    return _cached(njit(forceinline=True, **options, **KERNEL)(function))
 
 
 def glue(function: Callable):

@@ -8,7 +8,7 @@ al. 2011.
 import numpy as np
 
 from .grid import INFINITE, trilinear
-from .jit import device
+from .jit import device, leaf
 from .rng import exponential, uniform
 from .transfer import extinction
 from .vec import at
@@ -127,7 +127,7 @@ def walk(medium, transfer, o, d, length, ratio, rng):
                 return ESCAPED, ZERO, T, rng
 
 
-@device
+@leaf
 def sample_collision(medium, transfer, o, d, length, rng):
     """Distance of the first collision, distributed as sigma_t(t) T(t). Returns (t, scalar, rng).
 
@@ -137,7 +137,7 @@ def sample_collision(medium, transfer, o, d, length, rng):
     return t, scalar, rng
 
 
-@device
+@leaf
 def transmittance(medium, transfer, shadows, ratio, o, d, length, rng):
     """Unbiased estimate of the transmittance over `length` from o along d. Returns (T, rng).
 
