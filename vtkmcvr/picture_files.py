@@ -201,19 +201,10 @@ def _common_size(arrays: Arrays) -> tuple[int, int]:
 
 
 def _vtk_image(arrays: Arrays) -> Any:
-    from vtkmodules.util.numpy_support import numpy_to_vtk
-    from vtkmodules.vtkCommonDataModel import vtkImageData
+    from .vtk_image import image_of_arrays
 
-    rows, columns = _common_size(arrays)
-    image = vtkImageData()
-    image.SetDimensions(columns, rows, 1)
-    for name, array in arrays.items():
-        flipped = np.ascontiguousarray(array[::-1]).reshape(rows * columns, -1)
-        data = numpy_to_vtk(flipped, deep=True)
-        data.SetName(name)
-        image.GetPointData().AddArray(data)
-    image.GetPointData().SetActiveScalars(next(iter(arrays)))
-    return image
+    _common_size(arrays)
+    return image_of_arrays(arrays)
 
 
 def _exr_channels(name: str, array: NDArray[Any]) -> dict[str, NDArray[np.float32]]:

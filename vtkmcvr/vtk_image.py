@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkImageData
 
-from .picture import Picture
+if TYPE_CHECKING:
+    from .picture import Picture
 
 
 def image_of_arrays(arrays: Mapping[str, NDArray]) -> vtkImageData:
