@@ -16,8 +16,8 @@ from .tables import DEEPEST_VOXEL, Tables, build_tables
 from .voxels import Voxels, voxels_of
 
 f32, f64 = np.float32, np.float64
-# Transmittance below which Russian roulette may end a shadow ray; 1 would be delta tracking. Of
-# 0.05 to 0.8, 0.2 to 0.4 took least time at equal error: on heads 30 % less than delta tracking.
+# Transmittance below which Russian roulette may end a shadow ray; 1 would be delta tracking, which
+# takes 1.4 times as long at equal error on a CT head (tests/bench/bench_looks.py).
 ROULETTE = 0.3
 FILTER_ENTRIES = 257
 NOWHERE = -1e9
