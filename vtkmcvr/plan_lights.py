@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import packed
+from .effects import Effect
 from .lights import (
     ConstantEnvironment,
     DirectionalLight,
@@ -17,12 +17,9 @@ from .lights import (
     PointLight,
     RectangleLight,
 )
+from .pack import f32, matrix, vector
 from .scene import Scene
 
-if TYPE_CHECKING:
-    from .plan import Effect
-
-f32 = np.float32
 # Share of the choice among lights that ignores their estimated contribution
 EVEN_SHARE = 0.1
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
@@ -47,8 +44,6 @@ class PackedLights:
 
 def pack_lights(scene: Scene) -> PackedLights:
     """Pack the lights of a scene; black ones are left out, but rectangles still block light."""
-    from .plan import Effect
-
     ambient = _ambient(scene)
     maps = [light for light in scene.lights if isinstance(light, EnvironmentMap)]
     environment = _environment(maps[0]) if maps and maps[0].scale and maps[0].pixels.any() else None
@@ -99,8 +94,6 @@ def _delta_reason(deltas: list) -> str:
 
 
 def _mis_effect(scene: Scene, choice: object, environment: object, rectangles: list) -> Effect:
-    from .plan import Effect
-
     name = "multiple importance sampling"
     if choice is None or (environment is None and not rectangles):
         return Effect(name, False, "no light can be found by two strategies")
@@ -112,18 +105,13 @@ def _mis_effect(scene: Scene, choice: object, environment: object, rectangles: l
 def _ambient(scene: Scene) -> packed.Ambient | None:
     for light in scene.lights:
         if isinstance(light, ConstantEnvironment) and any(_rgb(light.radiance)):
-            return packed.Ambient(_vector(light.radiance))
+            return packed.Ambient(vector(np.array(_rgb(light.radiance))))
     return None
 
 
 def _rgb(value: object) -> tuple[float, float, float]:
     """Return a validated colour of a light, which is three numbers by now."""
     return value  # type: ignore[return-value]
-
-
-def _vector(value: object) -> packed.Vector:
-    r, g, b = _rgb(value)
-    return f32(r), f32(g), f32(b)
 
 
 def _environment(light: EnvironmentMap) -> packed.Environment:
@@ -141,8 +129,8 @@ def _environment(light: EnvironmentMap) -> packed.Environment:
         pixels,
         _cdf(weight.sum(axis=1)),
         np.ascontiguousarray([_cdf(row) for row in weight], f32),
-        _matrix(local_from_world),
-        _matrix(local_from_world.T),
+        matrix(local_from_world),
+        matrix(local_from_world.T),
     )
 
 
@@ -152,10 +140,6 @@ def _cdf(weight: NDArray) -> NDArray[np.float32]:
     steps = weight / total if total > 0 else np.full(len(weight), 1 / len(weight))
     cdf = np.concatenate([[0.0], np.cumsum(steps)])
     return np.ascontiguousarray(cdf / cdf[-1], f32)
-
-
-def _matrix(m: NDArray) -> packed.Matrix:
-    return tuple(tuple(f32(x) for x in row) for row in m)  # type: ignore[return-value]
 
 
 def _rectangles(lights: list[RectangleLight], scene: Scene) -> packed.Rectangles | None:

@@ -1,0 +1,66 @@
+"""Options that commands share, and what they say about bad ones."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+
+def add_render_options(parser: argparse.ArgumentParser) -> None:
+    """Everything that decides a picture."""
+    add = parser.add_argument
+    add("--preset", help="look; see `vtkmcvr presets`. Default: chosen from the values")
+    add("--size", type=_size, default=(800, 600), metavar="WxH", help="pixels, default 800x600")
+    add("--samples", type=int, help="samples per pixel, default 64")
+    add("--seconds", type=float, help="time to render; with --samples, whichever is met first")
+    add("--seed", type=int, default=0)
+    add("--threads", type=int, help="default: all CPUs of the process")
+    add(
+        "--view", default="front", help="front back left right top bottom: side of the patient seen"
+    )
+    add("--azimuth", type=float, default=0.0, help="degrees around the volume, to the right")
+    add("--elevation", type=float, default=0.0, help="degrees up")
+    add("--roll", type=float, default=0.0, help="degrees clockwise")
+    add("--zoom", type=float, default=1.0)
+    add("--exposure", type=float, help="stops; default: the look's")
+    add(
+        "--background",
+        type=_background,
+        default="preset",
+        metavar="COLOUR",
+        help="transparent, or sRGB as #rrggbb",
+    )
+    add(
+        "--flip",
+        metavar="AXES",
+        help="index axes that run backwards, such as k; for files that "
+        "do not say which way they were stored",
+    )
+    add("--shift", type=float, help="added to the values to get HU; default: detected")
+    add("--series", help="series UID or number, where a DICOM folder holds several")
+    add("--environment", metavar="MAP", help="light by this .hdr or .exr panorama instead")
+    add("--aperture", type=float, default=0.0, help="lens radius in world units; 0: all is sharp")
+    add("--json", metavar="FILE", help="what was measured")
+    add("--quiet", action="store_true", help="no progress and no report")
+
+
+def _size(text: str) -> tuple[int, int]:
+    try:
+        width, height = (int(part) for part in text.lower().split("x"))
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"size is WIDTHxHEIGHT in pixels, got {text!r}") from None
+    return width, height
+
+
+def _background(text: str) -> Any:
+    if text in ("transparent", "preset"):
+        return text
+    try:
+        number = int(text.removeprefix("#"), 16)
+        if len(text.removeprefix("#")) != 6:
+            raise ValueError
+    except ValueError:
+        raise argparse.ArgumentTypeError(
+            f"background is transparent or a colour like #202428, got {text!r}"
+        ) from None
+    return tuple((number >> shift & 255) / 255 for shift in (16, 8, 0))
