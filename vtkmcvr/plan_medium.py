@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from . import packed
 from .kernels.majorant import cell_majorants, mark_empty_cubes, range_maxima
-from .pack import f32, matrix, vector
+from .pack import f32, matrix, vector64
 from .scene import Scene
 from .tables import Tables
 from .voxels import Voxels
@@ -27,7 +27,7 @@ def pack_medium(scene: Scene, voxels: Voxels, tables: Tables) -> packed.Medium:
     index_from_world = np.linalg.inv(scene.volume.index_to_world[:3, :3])
     return packed.Medium(
         voxels.values, majorant, f32(voxels.cell), f32(1.0 / voxels.cell),
-        vector(lo), vector(hi), matrix(index_from_world),
+        vector64(lo), vector64(hi), matrix(index_from_world),
     )  # fmt: skip
 
 

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from compiled import compiled
 from scenes import WHITE, frontal, scene, volume
 
 from vtkmcvr import packed
@@ -191,7 +192,7 @@ def test_probability_of_a_surface(g, m, expected, alpha):
     table = np.ones(2, f32)
     rows = (UP, UP, UP)
     surface = packed.Surface(table, rows, f32(1 / 40), f32(25 * g**3), np.bool_(False))
-    found = surface_probability(surface, f32(alpha), f32(40 * m))
+    found = compiled(surface_probability)(surface, f32(alpha), f32(40 * m))
     assert found == pytest.approx(alpha * expected, abs=4e-3 * alpha)
     assert found == pytest.approx(alpha * -math.expm1(-25 * g**3 * m), rel=1e-5)
 

@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from .grid import gradient
-from .jit import device, leaf
+from .jit import device
 from .rng import uniform
 from .transfer import opacity
 from .vec import BLACK, add, dot, from_basis, orthonormal_basis, scale, sub
@@ -24,13 +24,13 @@ INVERSE_2PI = f32(0.5 / math.pi)
 NO_NORMAL = (ZERO, ZERO, ZERO)
 
 
-@leaf
+@device
 def surface_probability(surface, alpha, magnitude):
     """P_brdf = alpha (1 - exp(-25 g^3 |grad tau_n|)), Exposure Render Eq. 1 corrected."""
     return alpha * -math.expm1(-surface.exponent_scale * min(magnitude * surface.per_gradient, ONE))
 
 
-@leaf
+@device
 def surface_event(surface, medium, transfer, p, scalar, wo, rng):
     """Decide whether the collision at index position p scatters by the BRDF.
 
@@ -96,7 +96,7 @@ def grazing(x):
     return x * (FIVE + x * (-TEN + x * (TEN + x * (-FIVE + x))))
 
 
-@leaf
+@device
 def brdf_value(gloss, diffuse, n, wo, wi):
     """f_r(wo, wi) times the cosine of wi, RGB per steradian; zero below the surface."""
     cos_o = dot(n, wo)
@@ -116,7 +116,7 @@ def brdf_value(gloss, diffuse, n, wo, wi):
     return scale(f, cos_i)
 
 
-@leaf
+@device
 def brdf_pdf(gloss, n, wo, wi):
     """Density of `sample_brdf` per steradian: the mean of both lobes' (HC-31)."""
     cos_i = dot(n, wi)
@@ -131,7 +131,7 @@ def brdf_pdf(gloss, n, wo, wi):
     return HALF * (cos_i * INVERSE_PI + lobe)
 
 
-@leaf
+@device
 def sample_brdf(gloss, n, wo, rng):
     """Direction with density `brdf_pdf`; below the surface both value and density are 0.
 

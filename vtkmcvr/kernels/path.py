@@ -16,9 +16,9 @@ from .lights import (
 from .phase import phase_value, sample_phase
 from .tracking import sample_collision, transmittance
 from .transfer import colour
-from .vec import BLACK, add, at, largest, mul, narrow, scale, transform
+from .vec import BLACK, add, at, largest, mul, narrow, scale, transform, wide
 
-f32 = np.float32
+f32, f64 = np.float32, np.float64
 ZERO, ONE = f32(0.0), f32(1.0)
 
 
@@ -63,10 +63,9 @@ def visibility(scene, p, wi, distance, rng):
     """Transmittance from index position p along wi over `distance`. Returns (T, rng)."""
     medium = scene.medium
     d = transform(medium.index_from_world, wi)
-    _, leave = box_interval(p, d, medium.active_lo, medium.active_hi)
-    return transmittance(
-        medium, scene.transfer, scene.shadows, scene.ratio, p, d, min(leave, distance), rng
-    )
+    _, leave = box_interval(wide(p), wide(d), medium.active_lo, medium.active_hi)
+    length = min(f32(leave), distance)
+    return transmittance(medium, scene.transfer, scene.shadows, scene.ratio, p, d, length, rng)
 
 
 @device
@@ -172,11 +171,12 @@ def radiance(scene, origin, d, rng):
     """
     camera, medium = scene.camera, scene.medium
     o_index = add(camera.index_of_centre, transform(camera.index_from_world, origin))
-    d_index = transform(camera.index_from_world, d)
+    d_wide = wide(d)
+    d_index = transform(camera.index_from_world, d_wide)
     enter, leave = box_interval(o_index, d_index, medium.active_lo, medium.active_hi)
     enter = max(enter, 0.0)
     index, distance = nearest_rectangle(scene.rectangles, narrow(origin), d, True)
-    length = f32(min(leave, distance) - enter)
+    length = f32(min(leave, f64(distance)) - enter)
     if not length > ZERO:
         return background(scene, d, index), False, 0.0
     entry = narrow(at(o_index, d_index, enter))
@@ -187,7 +187,7 @@ def radiance(scene, origin, d, rng):
 
     # Direct light at the collision
     p = at(entry, d_index, t)
-    x = narrow(at(origin, d, enter + t))
+    x = narrow(at(origin, d_wide, enter + f64(t)))
     wo = scale(d, -ONE)
     albedo = colour(scene.transfer, scalar)
     on_surface, normal, rng = surface_event(
@@ -207,4 +207,4 @@ def radiance(scene, origin, d, rng):
         wo,
         rng,
     )
-    return add(by_light, by_scatter), True, enter + t
+    return add(by_light, by_scatter), True, enter + f64(t)

@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from .jit import leaf
+from .jit import device
 from .rng import uniform
 from .vec import add, dot, from_basis, orthonormal_basis, scale
 from .warp import INVERSE_4PI, TWO_PI, uniform_sphere
@@ -17,7 +17,7 @@ f32 = np.float32
 ONE, TWO = f32(1.0), f32(2.0)
 
 
-@leaf
+@device
 def phase_value(phase, wo, wi):
     """p(wo, wi) in 1/steradian; also the density of `sample_phase`.
 
@@ -32,7 +32,7 @@ def phase_value(phase, wo, wi):
     return INVERSE_4PI * (ONE - g) * (ONE + g) / (square * math.sqrt(square))
 
 
-@leaf
+@device
 def sample_phase(phase, wo, rng):
     """Direction with density `phase_value`. Returns (wi, rng).
 

@@ -8,7 +8,7 @@ al. 2011.
 import numpy as np
 
 from .grid import INFINITE, trilinear
-from .jit import device, leaf
+from .jit import device
 from .rng import exponential, uniform
 from .transfer import extinction
 from .vec import at
@@ -111,23 +111,23 @@ def walk(medium, transfer, o, d, length, ratio, rng):
         if leave >= length:
             return ESCAPED, ZERO, T, rng
         if tx <= ty and tx <= tz:
-            cx += sx
+            cx = i32(cx + sx)
             tx += dx
             if cx < 0 or cx >= nx:
                 return ESCAPED, ZERO, T, rng
         elif ty <= tz:
-            cy += sy
+            cy = i32(cy + sy)
             ty += dy
             if cy < 0 or cy >= ny:
                 return ESCAPED, ZERO, T, rng
         else:
-            cz += sz
+            cz = i32(cz + sz)
             tz += dz
             if cz < 0 or cz >= nz:
                 return ESCAPED, ZERO, T, rng
 
 
-@leaf
+@device
 def sample_collision(medium, transfer, o, d, length, rng):
     """Distance of the first collision, distributed as sigma_t(t) T(t). Returns (t, scalar, rng).
 
@@ -137,7 +137,7 @@ def sample_collision(medium, transfer, o, d, length, rng):
     return t, scalar, rng
 
 
-@leaf
+@device
 def transmittance(medium, transfer, shadows, ratio, o, d, length, rng):
     """Unbiased estimate of the transmittance over `length` from o along d. Returns (T, rng).
 

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from .jit import device, leaf
+from .jit import device
 
 f32, i32, index = np.float32, np.int32, np.uintp
 NEXT = np.uintp(1)
@@ -18,7 +18,7 @@ def table_position(transfer, scalar):
     return index(i), x - f32(i)
 
 
-@leaf
+@device
 def extinction(transfer, scalar):
     """sigma_t (1/world unit) of a scalar; 0 for NaN (no data is transparent)."""
     if math.isnan(scalar):
@@ -29,7 +29,7 @@ def extinction(transfer, scalar):
     return a + (transfer.sigma_t[i + NEXT] - a) * f
 
 
-@leaf
+@device
 def colour(transfer, scalar):
     """Single-scattering albedo, which is also the diffuse colour, of a scalar. Linear RGB."""
     i, f = table_position(transfer, scalar)
