@@ -15,7 +15,15 @@ from vtkmcvr.lights import (
     RectangleLight,
 )
 from vtkmcvr.rendering import render_scene
-from vtkmcvr.scene import Camera, PixelFilter, Scene, Surface, TransferFunction, Volume
+from vtkmcvr.scene import (
+    Camera,
+    HenyeyGreenstein,
+    PixelFilter,
+    Scene,
+    Surface,
+    TransferFunction,
+    Volume,
+)
 
 BOX = PixelFilter("box", 0.5)
 DARK = 1e-15
@@ -76,7 +84,7 @@ def scene(vol=None, transfer=None, camera=None, size=(32, 32), **options):
     )
 
 
-def everything(*lights, surface=None, phase_g=0.3, vol=None, **options):
+def everything(*lights, surface=None, phase=HenyeyGreenstein(0.3), vol=None, **options):
     """Scene of one set of effects: all kinds of light, hybrid, coat, phase, shadows."""
     vol = blob() if vol is None else vol
     far = vol.centre + np.array((3e3, 2e3, 1e3))
@@ -94,7 +102,7 @@ def everything(*lights, surface=None, phase_g=0.3, vol=None, **options):
         vol,
         lights=(*lights, *added),
         surface=surface or Surface(gradient_factor=1e-3),
-        phase_g=phase_g,
+        phase=phase,
         **options,
     )
 

@@ -12,16 +12,16 @@ from vtkmcvr.lights import (
     RectangleLight,
 )
 from vtkmcvr.plan import plan
-from vtkmcvr.scene import Camera, Lens, Surface
+from vtkmcvr.scene import Camera, HenyeyGreenstein, Lens, Surface
 
 EFFECTS = {
-    "medium", "surface shading", "specular coat", "anisotropic phase", "constant environment",
+    "medium", "gradient classification", "emission", "multiple scattering", "surface shading", "specular coat", "anisotropic phase", "constant environment",
     "environment map", "area lights", "point and directional lights",
     "multiple importance sampling", "shadows", "depth of field", "visible environment",
 }  # fmt: skip
 PARTS = {
     "lens": "depth of field", "surface": "surface shading", "gloss": "specular coat",
-    "phase": "anisotropic phase", "shadows": "shadows", "ambient": "constant environment",
+    "phase": "anisotropic phase", "scattering": "multiple scattering", "shadows": "shadows", "ambient": "constant environment",
     "environment": "environment map", "rectangles": "area lights",
     "delta_lights": "point and directional lights",
 }  # fmt: skip
@@ -60,7 +60,7 @@ def test_absent_effects_are_none_in_the_packed_scene():
 
 
 def test_present_effects_are_there():
-    planned = plan(dataclasses.replace(everything(), camera=lensed(), ratio_tracking=True))
+    planned = plan(dataclasses.replace(everything(), camera=lensed(), scattering="multiple"))
     for part, name in PARTS.items():
         assert getattr(planned.packed, part) is not None
         assert effects(planned)[name].on
@@ -81,7 +81,7 @@ LAMP = (RectangleLight((0, 0, 5), (0, 0, 0), (1, 1)),)
         ({"surface": Surface(0)}, "surface", "surface shading", "gradient factor is 0"),
         ({"surface": Surface(0)}, "gloss", "specular coat", "no surfaces"),
         ({"surface": Surface(specular=0)}, "gloss", "specular coat", "Lambert"),
-        ({"phase_g": 1e-4}, "phase", "anisotropic phase", "isotropic"),
+        ({"phase": HenyeyGreenstein(1e-4)}, "phase", "anisotropic phase", "isotropic"),
         ({"shadow_reach": 1.0}, "shadows", "shadows", "no lights"),
         ({"lights": SKY, "shadow_reach": 0}, "shadows", "shadows", "reach is 0"),
         ({"lights": SKY, "shadow_reach": 0, "ratio_tracking": True}, "ratio", "shadows", "is 0"),
@@ -102,7 +102,7 @@ def test_effects_of_no_consequence_are_off(changes, part, name, reason):
 
 
 def test_constant_volume_has_no_surfaces():
-    planned = plan(scene(slab(), surface=Surface(always=True)))
+    planned = plan(scene(slab(), surface=Surface(mode="brdf")))
     assert planned.packed.surface is None
     assert "constant" in effects(planned)["surface shading"].reason
 
@@ -110,7 +110,7 @@ def test_constant_volume_has_no_surfaces():
 def test_reasons_name_quantities():
     planned = plan(
         scene(
-            noise(), camera=lensed(0.25), surface=Surface(0.7, exponent=12), phase_g=0.4,
+            noise(), camera=lensed(0.25), surface=Surface(0.7, exponent=12), phase=HenyeyGreenstein(0.4),
             lights=(*SKY, *LAMP, DirectionalLight((0, 0, 1)), PointLight((0, 9, 0))),
             shadow_reach=3.5, ratio_tracking=True, environment_visible=True,
         )
@@ -154,7 +154,7 @@ def test_everything_is_float32_but_the_camera():
         elif part is not None:
             yield part
 
-    packed = plan(dataclasses.replace(everything(), camera=lensed(), ratio_tracking=True)).packed
+    packed = plan(dataclasses.replace(everything(), camera=lensed(), scattering="multiple")).packed
     for name, part in packed._asdict().items():
         for leaf in leaves(part):
             # No Python number, which would compile anew, and no array that is not C-contiguous

@@ -14,7 +14,7 @@ from vtkmcvr.lights import (
     PointLight,
     RectangleLight,
 )
-from vtkmcvr.scene import Camera, Lens, PixelFilter, Surface, TransferFunction, Volume
+from vtkmcvr.scene import Camera, HenyeyGreenstein, Lens, PixelFilter, Surface, TransferFunction, Volume
 
 NAN, INF = float("nan"), float("inf")
 EYE = np.eye(4)
@@ -104,8 +104,8 @@ BAD = {
     "spot exponent": (lambda: PointLight((0, 0, 0), exponent=-1), "exponent.*-1"),
     "film": (lambda: scene(size=(0, 10)), "film width.*at least 1.*0"),
     "film height": (lambda: scene(size=(10, 2.5)), "film height.*whole.*2.5"),
-    "phase": (lambda: scene(phase_g=1.0), "phase_g.*1"),
-    "backward phase": (lambda: scene(phase_g=-1.0), "phase_g.*-1"),
+    "phase": (lambda: HenyeyGreenstein(1.0), "g must be.*got 1"),
+    "backward phase": (lambda: HenyeyGreenstein(-1.0), "g must be.*-1"),
     "reach": (lambda: scene(shadow_reach=-1), "shadow_reach.*-1"),
     "NaN reach": (lambda: scene(shadow_reach=NAN), "shadow_reach.*nan"),
     "sampling": (lambda: scene(light_sampling="bsdf"), "mis, light, scatter.*'bsdf'"),
@@ -131,7 +131,7 @@ def test_bad_input_is_named(make, words):
 
 def test_scenes_are_frozen():
     with pytest.raises(dataclasses.FrozenInstanceError):
-        scene().phase_g = 0.5
+        scene().phase = HenyeyGreenstein(0.5)
     with pytest.raises(dataclasses.FrozenInstanceError):
         camera().view_angle = 3
 
@@ -172,7 +172,7 @@ def test_directions_of_any_length_are_taken():
 @pytest.mark.parametrize("g", [-0.9999, 0.9999])
 def test_extreme_phase_functions_reject_no_sample(g):
     picture = render(
-        scene(noise(), medium(3.0), lights=(ConstantEnvironment(),), phase_g=g, shadow_reach=0), 16
+        scene(noise(), medium(3.0), lights=(ConstantEnvironment(),), phase=HenyeyGreenstein(g), shadow_reach=0), 16
     )
     assert picture.rejected == 0
     np.testing.assert_allclose(picture.radiance[..., 0], picture.alpha, atol=1e-3)

@@ -286,7 +286,7 @@ def test_unit_distance_and_phase():
     volume_property.SetScalarOpacityUnitDistance(2.5)
     volume_property.SetScatteringAnisotropy(0.6)
     assert transfer_of(volume_property).unit_distance == 2.5
-    assert phase_of(volume_property) == pytest.approx(0.6)
+    assert phase_of(volume_property).g == pytest.approx(0.6)
 
 
 def test_surface_only_with_shading():

@@ -38,13 +38,52 @@ class Medium(NamedTuple):
     index_from_world: Matrix  # directions: index units per world unit
 
 
-class Transfer(NamedTuple):
-    """Transfer function tables over [lowest, highest scalar], linear between entries."""
+class GradientOpacity(NamedTuple):
+    """Factor on the extinction by gradient magnitude, linear between entries."""
 
-    sigma_t: NDArray[np.float32]  # (n,) extinction, 1/world unit
+    factor: NDArray[np.float32]  # (n,), from gradient magnitude 0 on
+    per_gradient: np.float32  # table entries per unit of the gradient magnitude
+    world_from_index_gradient: Matrix
+
+
+class Table2D(NamedTuple):
+    """Extinction and colour by scalar and gradient magnitude, bilinear, clamped at the edges."""
+
+    sigma_t: NDArray[np.float32]  # (gradients, scalars), 1/world unit
+    colour: NDArray[np.float32]  # (gradients, scalars, 3)
+    lowest: np.float32  # scalar of the first column
+    per_scalar: np.float32
+    lowest_gradient: np.float32
+    per_gradient: np.float32
+    world_from_index_gradient: Matrix
+
+
+class ColourGrid(NamedTuple):
+    """Colour of every point, which replaces that of the transfer function."""
+
+    red: NDArray  # [k, j, i] like the values
+    green: NDArray
+    blue: NDArray
+    scale: np.float32  # 1, or 1/255 for bytes
+
+
+class Transfer(NamedTuple):
+    """Transfer function tables over [lowest, highest scalar], linear between entries.
+
+    The optional ones are there where their channel varies.
+    """
+
+    sigma_t: NDArray[np.float32]  # (n,) extinction, 1/world unit; its maximum over all gradients
     colour: NDArray[np.float32]  # (n, 3) albedo and diffuse colour
     lowest: np.float32
     per_scalar: np.float32  # table entries per unit of the scalar
+    gradient_opacity: GradientOpacity | None
+    table_2d: Table2D | None
+    colour_grid: ColourGrid | None
+    emission: NDArray[np.float32] | None  # (n, 3) radiance of the absorbing part
+    specular: NDArray[np.float32] | None  # (n, 3) instead of Gloss.specular
+    exponent: NDArray[np.float32] | None  # (n,) instead of Gloss.exponent
+    phase: NDArray[np.float32] | None  # (n,) instead of Phase.shape
 
 
 class Camera(NamedTuple):
@@ -79,24 +118,40 @@ class Lens(NamedTuple):
 class Surface(NamedTuple):
     """Hybrid surface/volume scattering: where and how often a BRDF replaces the phase function."""
 
-    opacity: NDArray[np.float32]  # (n,) opacity of the transfer function, [0, 1]
+    mode: np.int32  # 0 hybrid by Eq. 1, 1 BRDF at every gradient, 2 above a threshold
+    opacity_distance: np.float32  # of sigma_t in the opacity that P_brdf is proportional to; inf: 1
     world_from_index_gradient: Matrix
     per_gradient: np.float32  # 1 / largest gradient magnitude
     exponent_scale: np.float32  # 25 g^3, with g the gradient factor
-    always: np.bool_  # BRDF wherever there is a gradient, instead of by probability
+    threshold: np.float32  # of the normalised gradient magnitude
 
 
 class Gloss(NamedTuple):
     """Specular coat of surfaces: the glossy part of the Fresnel blend."""
 
     specular: Vector  # reflectance at normal incidence
-    exponent: np.float32  # Blinn exponent
+    exponent: np.float32  # Blinn exponent; the GGX roughness is sqrt(2 / (exponent + 2))
+    ggx: np.bool_  # GGX distribution of microfacets instead of Blinn's
 
 
 class Phase(NamedTuple):
-    """Henyey-Greenstein phase function."""
+    """Phase function other than isotropic."""
 
-    g: np.float32  # mean cosine between the directions of propagation
+    kind: np.int32  # 0 Henyey-Greenstein, 1 Schlick, 2 Rayleigh, 3 cone
+    shape: np.float32  # g; k; nothing; 1 - cosine of the cone's half angle
+
+
+class Scattering(NamedTuple):
+    """Multiple scattering."""
+
+    most: np.int32  # scattering events of a path
+    roulette: np.float32  # throughput below which Russian roulette may end the path
+
+
+class Marching(NamedTuple):
+    """Collisions by marching in equal steps, which is biased, instead of by tracking."""
+
+    step: np.float32  # world units
 
 
 class Shadows(NamedTuple):
@@ -173,6 +228,8 @@ class Scene(NamedTuple):
     surface: Surface | None
     gloss: Gloss | None
     phase: Phase | None
+    scattering: Scattering | None
+    marching: Marching | None
     shadows: Shadows | None
     ratio: RatioTracking | None
     ambient: Ambient | None

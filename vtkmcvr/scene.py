@@ -10,12 +10,16 @@ from dataclasses import dataclass, field
 from . import checks
 from .camera import Camera, Lens, PixelFilter, Vector
 from .lights import ConstantEnvironment, EnvironmentMap, Light
-from .material import Surface, TransferFunction
+from .material import Surface, TransferFunction, TransferTable
+from .phases import Cone, HenyeyGreenstein, Isotropic, Phase, Rayleigh, Schlick
 from .volume import Volume
 
 __all__ = [
-    "Camera", "Lens", "PixelFilter", "Scene", "Surface", "TransferFunction", "Vector", "Volume",
+    "Camera", "Cone", "HenyeyGreenstein", "Isotropic", "Lens", "PixelFilter", "Rayleigh", "Scene",
+    "Schlick", "Surface", "TransferFunction", "TransferTable", "Vector", "Volume",
 ]  # fmt: skip
+
+ESTIMATORS = ("majorant-grid", "woodcock", "ray-march")
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,8 +35,17 @@ class Scene:
         EnvironmentMap.
     surface : Surface, optional
         None: volume scattering only.
-    phase_g : float
-        Mean cosine of the Henyey-Greenstein phase function, -0.9999 to 0.9999; 0: isotropic.
+    phase : Isotropic, HenyeyGreenstein, Schlick, Rayleigh or Cone
+        How the volume spreads light.
+    scattering : {"single", "multiple"}
+        One scattering event between light and camera, as in Exposure Render, or many.
+    max_scatterings : int, optional
+        Most events of "multiple", >= 1. None: no limit; Russian roulette ends paths.
+    estimator : {"majorant-grid", "woodcock", "ray-march"}
+        How collisions are found: by delta tracking over local majorants; over the one global
+        majorant of Exposure Render, with equal results; by equal steps, which is biased.
+    step : float, optional
+        Step of "ray-march" in world units. None: half the smallest voxel edge.
     shadow_reach : float
         Distance from the scattering point within which the medium attenuates light, world units;
         inf: physically right; 0: no shadows.
@@ -53,7 +66,11 @@ class Scene:
     camera: Camera
     lights: tuple[Light, ...] = ()
     surface: Surface | None = None
-    phase_g: float = 0.0
+    phase: Phase = Isotropic()
+    scattering: str = "single"
+    max_scatterings: int | None = None
+    estimator: str = "majorant-grid"
+    step: float | None = None
     shadow_reach: float = float("inf")
     environment_visible: bool = False
     ratio_tracking: bool = True
@@ -66,12 +83,9 @@ class Scene:
         for kind in (ConstantEnvironment, EnvironmentMap):
             if sum(isinstance(light, kind) for light in self.lights) > 1:
                 raise ValueError(f"a scene takes at most one {kind.__name__}")
-        checks.number("phase_g", self.phase_g, least=-0.9999, most=0.9999)
+        _check_transport(self)
         checks.number("shadow_reach", self.shadow_reach, least=0.0, finite=False)
-        if self.light_sampling not in ("mis", "light", "scatter"):
-            raise ValueError(
-                f"light_sampling is one of mis, light, scatter; got {self.light_sampling!r}"
-            )
+        checks.choice("light_sampling", self.light_sampling, ("mis", "light", "scatter"))
         width, height = self.size
         object.__setattr__(
             self,
@@ -80,4 +94,31 @@ class Scene:
                 checks.whole("film width", width, least=1),
                 checks.whole("film height", height, least=1),
             ),
+        )
+
+
+def _check_transport(scene: Scene) -> None:
+    """Phase function, order of scattering and estimator."""
+    if not isinstance(scene.phase, Phase):
+        raise ValueError(
+            "phase is Isotropic(), HenyeyGreenstein(g), Schlick(k), Rayleigh() or Cone(angle); "
+            f"got {scene.phase!r}"
+        )
+    if scene.transfer.g is not None and isinstance(scene.phase, (Rayleigh, Cone)):
+        raise ValueError(
+            "the transfer function gives g, which needs an Isotropic, HenyeyGreenstein or Schlick "
+            f"phase; got {scene.phase}"
+        )
+    checks.choice("scattering", scene.scattering, ("single", "multiple"))
+    checks.choice("estimator", scene.estimator, ESTIMATORS)
+    if scene.step is not None:
+        checks.number("step", scene.step, above=0.0)
+    if scene.max_scatterings is not None:
+        checks.whole("max_scatterings", scene.max_scatterings, least=1)
+        if scene.scattering == "single" and scene.max_scatterings > 1:
+            raise ValueError('max_scatterings above 1 needs scattering="multiple"')
+    if scene.scattering == "multiple" and scene.shadow_reach != float("inf"):
+        raise ValueError(
+            "multiple scattering attenuates light on its whole way: leave shadow_reach at inf, "
+            f"got {scene.shadow_reach:g}"
         )

@@ -9,7 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from .kernels.gradient_range import fill_gradient_ranges
 from .kernels.majorant import fill_cell_ranges, largest_gradient
+from .pack import matrix
 from .scene import Volume
 
 # Edge of a macrocell in voxels: small cells waste fewer tentative collisions at surfaces, large
@@ -55,13 +57,26 @@ class Voxels:
     def _gradients(self) -> dict[bytes, float]:
         return {}
 
+    @functools.cached_property
+    def _gradient_ranges(self) -> dict[bytes, tuple[NDArray, NDArray]]:
+        return {}
+
     def largest_gradient(self, world_from_index_gradient: NDArray) -> float:
         """Largest gradient magnitude over the voxels, scalar per world unit; computed once."""
         key = world_from_index_gradient.tobytes()
         if key not in self._gradients:
-            rows = tuple(tuple(np.float32(x) for x in row) for row in world_from_index_gradient)
+            rows = matrix(world_from_index_gradient)
             self._gradients[key] = float(largest_gradient(self.values, rows))
         return self._gradients[key]
+
+    def gradient_ranges(self, world_from_index_gradient: NDArray) -> tuple[NDArray, NDArray]:
+        """Lowest and highest gradient magnitude in the macrocells; computed once."""
+        key = world_from_index_gradient.tobytes()
+        if key not in self._gradient_ranges:
+            found = np.empty_like(self.cell_lowest), np.empty_like(self.cell_lowest)
+            fill_gradient_ranges(self.values, matrix(world_from_index_gradient), self.cell, *found)
+            self._gradient_ranges[key] = found
+        return self._gradient_ranges[key]
 
 
 _cache: weakref.WeakKeyDictionary[Volume, Voxels] = weakref.WeakKeyDictionary()

@@ -11,6 +11,7 @@ import numpy as np
 from vtkmodules.vtkRenderingCore import vtkVolumeProperty
 from vtkmodules.vtkRenderingVolume import vtkVolumeMapper
 
+from .phases import MOST_FORWARD, HenyeyGreenstein, Isotropic, Phase
 from .scene import Surface, TransferFunction
 from .vtk_transfer import colour_curve, grey_curve, opacity_curve
 
@@ -79,9 +80,13 @@ def surface_of(
     return Surface(gradient_factor, specular=specular, exponent=exponent)
 
 
-def phase_of(volume_property: vtkVolumeProperty) -> float:
-    """Mean cosine of the phase function: the property's scattering anisotropy."""
-    return float(volume_property.GetScatteringAnisotropy())
+def phase_of(volume_property: vtkVolumeProperty) -> Phase:
+    """Phase function of Henyey and Greenstein with the property's scattering anisotropy.
+
+    VTK allows -1 and 1, where nothing scatters sideways; the nearest number allowed is taken.
+    """
+    g = float(volume_property.GetScatteringAnisotropy())
+    return HenyeyGreenstein(float(np.clip(g, -MOST_FORWARD, MOST_FORWARD))) if g else Isotropic()
 
 
 def refuse_mapper_features(mapper: vtkVolumeMapper) -> None:

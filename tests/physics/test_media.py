@@ -12,7 +12,7 @@ from scenes import WHITE, frontal, mean_and_error, medium, noise, render, scene,
 
 from vtkmcvr.curves import Curve
 from vtkmcvr.lights import ConstantEnvironment
-from vtkmcvr.scene import Camera, Surface, TransferFunction
+from vtkmcvr.scene import Camera, HenyeyGreenstein, Surface, TransferFunction
 
 UNIT = (ConstantEnvironment(1.0),)
 
@@ -83,7 +83,7 @@ def test_unshadowed_white_furnace_returns_alpha(g):
     # Albedo 1, unit light from everywhere, no shadows: each colliding path carries exactly 1, but
     # for float32 rounding of value / density
     picture = render(
-        scene(noise(), medium(2.0), lights=UNIT, phase_g=g, shadow_reach=0), samples=16
+        scene(noise(), medium(2.0), lights=UNIT, phase=HenyeyGreenstein(g), shadow_reach=0), samples=16
     )
     assert 0.3 < picture.alpha.mean() < 1
     assert np.abs(picture.radiance - picture.alpha[..., None]).max() < 1e-5
@@ -94,7 +94,7 @@ def test_unshadowed_lambert_surface_reflects_its_colour():
     picture = render(
         scene(
             noise(), medium(50.0, colour), lights=UNIT, shadow_reach=0,
-            surface=Surface(always=True, specular=0.0),
+            surface=Surface(mode="brdf", specular=0.0),
         ),
         samples=16,
     )  # fmt: skip
