@@ -116,6 +116,7 @@ def test_reasons_name_quantities():
         )
     )  # fmt: skip
     text = planned.explain()
+    assert "within 60 degrees" in plan(scene(phase_cone=60)).explain()
     for words in ("0.25", "0.7", "exponent 12", "g = 0.4", "1 rectangles", "2, one shadow ray",
                   "ratio tracking, up to 3.5", "power heuristic", "miss the volume"):  # fmt: skip
         assert words in text

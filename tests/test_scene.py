@@ -105,6 +105,8 @@ BAD = {
     "film": (lambda: scene(size=(0, 10)), "film width.*at least 1.*0"),
     "film height": (lambda: scene(size=(10, 2.5)), "film height.*whole.*2.5"),
     "phase": (lambda: scene(phase_g=1.0), "phase_g.*1"),
+    "cone of no width": (lambda: scene(phase_cone=0.0), "phase_cone.*0"),
+    "two phases": (lambda: scene(phase_cone=60.0, phase_g=0.5), "phase_g or phase_cone"),
     "backward phase": (lambda: scene(phase_g=-1.0), "phase_g.*-1"),
     "reach": (lambda: scene(shadow_reach=-1), "shadow_reach.*-1"),
     "NaN reach": (lambda: scene(shadow_reach=NAN), "shadow_reach.*nan"),

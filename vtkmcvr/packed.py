@@ -99,6 +99,13 @@ class Phase(NamedTuple):
     g: np.float32  # mean cosine between the directions of propagation
 
 
+class ConePhase(NamedTuple):
+    """Constant phase function inside a cone around the way back to the viewer."""
+
+    width: np.float32  # 1 - cos of the half angle
+    value: np.float32  # 1 / (2 pi width), per steradian
+
+
 class Shadows(NamedTuple):
     """Light is attenuated on its way to the scattering point."""
 
@@ -173,6 +180,7 @@ class Scene(NamedTuple):
     surface: Surface | None
     gloss: Gloss | None
     phase: Phase | None
+    cone: ConePhase | None
     shadows: Shadows | None
     ratio: RatioTracking | None
     ambient: Ambient | None

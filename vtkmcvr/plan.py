@@ -70,6 +70,7 @@ def plan(scene: Scene) -> Plan:
     lens, lens_why = pack_lens(scene.camera)
     surface, gloss, surface_why, gloss_why = pack_surface(scene, voxels, tables)
     phase = packed.Phase(f32(scene.phase_g)) if abs(scene.phase_g) >= 1e-3 else None
+    cone = _cone(scene)
     lights = pack_lights(scene)
     lit = lights.any
     shadows = (
@@ -80,7 +81,7 @@ def plan(scene: Scene) -> Plan:
         tables.sigma_t, tables.colour, f32(voxels.lowest), f32(tables.per_scalar)
     )
     result = packed.Scene(
-        medium, transfer, pack_camera(scene), lens, surface, gloss, phase, shadows, ratio,
+        medium, transfer, pack_camera(scene), lens, surface, gloss, phase, cone, shadows, ratio,
         lights.ambient, lights.environment, lights.rectangles, lights.delta_lights, lights.choice,
         np.bool_(scene.environment_visible and bool(lights.ambient or lights.environment)),
     )  # fmt: skip
@@ -88,7 +89,7 @@ def plan(scene: Scene) -> Plan:
         _empty_space(medium),
         Effect("surface shading", surface is not None, surface_why),
         Effect("specular coat", gloss is not None, gloss_why),
-        _phase_effect(phase),
+        _phase_effect(scene, phase),
         *lights.effects,
         _shadow_effect(scene, lit, ratio),
         Effect("depth of field", lens is not None, lens_why),
@@ -106,7 +107,17 @@ def _empty_space(medium: packed.Medium) -> Effect:
     )
 
 
-def _phase_effect(phase: packed.Phase | None) -> Effect:
+def _cone(scene: Scene) -> packed.ConePhase | None:
+    if scene.phase_cone is None:
+        return None
+    width = 2 * math.sin(math.radians(scene.phase_cone) / 2) ** 2
+    return packed.ConePhase(f32(width), f32(1 / (2 * math.pi * width)))
+
+
+def _phase_effect(scene: Scene, phase: packed.Phase | None) -> Effect:
+    if scene.phase_cone is not None:
+        why = f"constant within {scene.phase_cone:g} degrees of the way back to the viewer"
+        return Effect("anisotropic phase", True, why)
     if phase is None:
         return Effect("anisotropic phase", False, "g is 0: isotropic")
     return Effect("anisotropic phase", True, f"Henyey-Greenstein, g = {phase.g:g}")

@@ -33,6 +33,10 @@ class Scene:
         None: volume scattering only.
     phase_g : float
         Mean cosine of the Henyey-Greenstein phase function, -0.9999 to 0.9999; 0: isotropic.
+    phase_cone : float, optional
+        Instead of `phase_g`: light scatters toward the viewer only out of a cone of this half angle
+        around the view ray, in degrees, 0.01 to 180, from all of it alike: Eq. 6 of Directional
+        Occlusion Shading (2009).
     shadow_reach : float
         Distance from the scattering point within which the medium attenuates light, world units;
         inf: physically right; 0: no shadows.
@@ -54,6 +58,7 @@ class Scene:
     lights: tuple[Light, ...] = ()
     surface: Surface | None = None
     phase_g: float = 0.0
+    phase_cone: float | None = None
     shadow_reach: float = float("inf")
     environment_visible: bool = False
     ratio_tracking: bool = True
@@ -67,6 +72,10 @@ class Scene:
             if sum(isinstance(light, kind) for light in self.lights) > 1:
                 raise ValueError(f"a scene takes at most one {kind.__name__}")
         checks.number("phase_g", self.phase_g, least=-0.9999, most=0.9999)
+        if self.phase_cone is not None:
+            checks.number("phase_cone", self.phase_cone, least=0.01, most=180.0)
+            if self.phase_g != 0:
+                raise ValueError("a scene takes either phase_g or phase_cone, not both")
         checks.number("shadow_reach", self.shadow_reach, least=0.0, finite=False)
         if self.light_sampling not in ("mis", "light", "scatter"):
             raise ValueError(

@@ -20,6 +20,7 @@ from vtkmcvr.kernels.phase import phase_value, sample_phase
 from vtkmcvr.kernels.rng import exponential, start, uniform
 from vtkmcvr.kernels.warp import concentric_disk, cosine_hemisphere, uniform_sphere
 from vtkmcvr.lights import EnvironmentMap, RectangleLight
+from vtkmcvr.plan import plan
 from vtkmcvr.plan_lights import pack_lights
 
 f32 = np.float32
@@ -111,19 +112,19 @@ def draw_warps(seed, n):
 
 
 @entry_point
-def draw_phase(phase, wo, seed, n):
+def draw_phase(phase, wo, seed, n, cone=None):
     out = np.empty((n, 3), f32)
     for i in range(n):
-        out[i], _ = sample_phase(phase, wo, start(seed, i, 0))
+        out[i], _ = sample_phase(phase, cone, wo, start(seed, i, 0))
     return out
 
 
 @entry_point
-def phase_density(phase, wo, directions):
+def phase_density(phase, wo, directions, cone=None):
     out = np.empty(len(directions), f32)
     for i in range(len(directions)):
         d = directions[i]
-        out[i] = phase_value(phase, wo, (d[0], d[1], d[2]))
+        out[i] = phase_value(phase, cone, wo, (d[0], d[1], d[2]))
     return out
 
 
@@ -328,6 +329,26 @@ def test_narrow_phase_function_keeps_its_distribution(g):
     x = np.sum((wi + math.copysign(1, g) * np.array(wo, np.float64)) ** 2, axis=1) / 2
     cdf = (1 - h * h) / (2 * h) * (1 / (1 - h) - 1 / np.sqrt((1 - h) ** 2 + 2 * h * x))
     assert stats.kstest(cdf, stats.uniform.cdf).pvalue > 1e-3 / TESTS
+
+
+@pytest.mark.parametrize("wo", [vector(0, 0, 1), vector(1, -2, 0.5)])
+@pytest.mark.parametrize("degrees", [0.01, 1.0, 60.0, 90.0, 180.0])
+def test_cone_is_evenly_filled(wo, degrees):
+    # In a cone the cosine is uniform; |wo - wi|^2 / 2 = 1 - cos keeps that visible at any width
+    cone = plan(scene(slab(), phase_cone=degrees)).packed.cone
+    wi = draw_phase(None, wo, SEED, N, cone)
+    x = np.sum((wi.astype(np.float64) - np.array(wo, np.float64)) ** 2, axis=1) / 2
+    width = 2 * math.sin(math.radians(degrees) / 2) ** 2
+    # float32 unit vectors place the rays of a cone of 0.01 degrees to 1e-3 of its radius
+    if degrees > 0.1:
+        assert stats.kstest(x / width, stats.uniform.cdf).pvalue > 1e-3 / TESTS
+    assert abs((x / width).mean() - 0.5) < 5 / math.sqrt(12 * N)
+    values = phase_density(None, wo, wi, cone)
+    assert (values > 0).mean() > 0.999
+    assert values.max() == pytest.approx(1 / (2 * math.pi * width), rel=1e-6)
+    outside = vector(*(-np.array(wo, np.float64)))
+    if degrees < 180:
+        assert phase_density(None, wo, np.array([outside], f32), cone)[0] == 0
 
 
 # Surfaces

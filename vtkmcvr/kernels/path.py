@@ -39,7 +39,7 @@ def scatter_value(scene, on_surface, normal, albedo, wo, wi):
     """Scattering function times cosine (surface) or phase function times albedo (volume)."""
     if on_surface:
         return brdf_value(scene.gloss, albedo, normal, wo, wi)
-    return scale(albedo, phase_value(scene.phase, wo, wi))
+    return scale(albedo, phase_value(scene.phase, scene.cone, wo, wi))
 
 
 @glue
@@ -47,7 +47,7 @@ def scatter_pdf(scene, on_surface, normal, wo, wi):
     """Density of `sample_scatter`."""
     if on_surface:
         return brdf_pdf(scene.gloss, normal, wo, wi)
-    return phase_value(scene.phase, wo, wi)
+    return phase_value(scene.phase, scene.cone, wo, wi)
 
 
 @glue
@@ -55,7 +55,7 @@ def sample_scatter(scene, on_surface, normal, wo, rng):
     """Direction drawn by the scattering function."""
     if on_surface:
         return sample_brdf(scene.gloss, normal, wo, rng)
-    return sample_phase(scene.phase, wo, rng)
+    return sample_phase(scene.phase, scene.cone, wo, rng)
 
 
 @glue

@@ -1,29 +1,52 @@
-"""Phase functions: isotropic, Henyey-Greenstein.
+"""Phase functions: isotropic, Henyey-Greenstein, cone.
 
 wo and wi both point away from the scattering point; light goes straight on when wi = -wo, hence the
-+ 2 g cos in the denominator. Source: Henyey and Greenstein 1941; form as in pbrt.
++ 2 g cos in the denominator. Source: Henyey and Greenstein 1941; form as in pbrt. The
+cone is that of directional occlusion shading (Schott et al., CGF 28(3), 2009, Eq. 6).
 """
 
 import math
 
 import numpy as np
 
-from .jit import leaf
+from .jit import device, leaf
 from .rng import uniform
-from .vec import add, dot, from_basis, orthonormal_basis, scale
+from .vec import add, dot, from_basis, orthonormal_basis, scale, sub
 from .warp import INVERSE_4PI, TWO_PI, uniform_sphere
 
 f32 = np.float32
-ONE, TWO = f32(1.0), f32(2.0)
+ZERO, ONE, TWO = f32(0.0), f32(1.0), f32(2.0)
+
+
+@device
+def cone_value(cone, wo, wi):
+    """Constant where wi is less than the half angle away from wo, 0 elsewhere.
+
+    1 - cos is taken as |wo - wi|^2 / 2, which does not cancel in narrow cones.
+    """
+    apart = sub(wo, wi)
+    return cone.value if dot(apart, apart) < TWO * cone.width else ZERO
+
+
+@device
+def sample_cone(cone, wo, u, v):
+    """Direction uniform in solid angle over the cone around wo."""
+    x = u * cone.width
+    sine = math.sqrt(x * (TWO - x))
+    phi = TWO_PI * v
+    a, b = orthonormal_basis(wo)
+    return from_basis(a, b, wo, (sine * math.cos(phi), sine * math.sin(phi), ONE - x))
 
 
 @leaf
-def phase_value(phase, wo, wi):
+def phase_value(phase, cone, wo, wi):
     """p(wo, wi) in 1/steradian; also the density of `sample_phase`.
 
     1 + g^2 + 2 g cos is written as (1 - |g|)^2 + |g| |wo +- wi|^2, which does not cancel
     near |g| = 1.
     """
+    if cone is not None:
+        return cone_value(cone, wo, wi)
     if phase is None:
         return INVERSE_4PI
     g = abs(phase.g)
@@ -33,13 +56,15 @@ def phase_value(phase, wo, wi):
 
 
 @leaf
-def sample_phase(phase, wo, rng):
+def sample_phase(phase, cone, wo, rng):
     """Direction with density `phase_value`. Returns (wi, rng).
 
     The distance x of the cosine from the peak has a closed form that also holds for g = 0.
     """
     rng, u = uniform(rng)
     rng, v = uniform(rng)
+    if cone is not None:
+        return sample_cone(cone, wo, u, v), rng
     if phase is None:
         return uniform_sphere(u, v), rng
     g = abs(phase.g)
