@@ -84,7 +84,7 @@ def scene(vol=None, transfer=None, camera=None, size=(32, 32), **options):
     )
 
 
-def everything(*lights, surface=None, phase=HenyeyGreenstein(0.3), vol=None, **options):
+def everything(*lights, surface=None, phase=None, vol=None, **options):
     """Scene of one set of effects: all kinds of light, hybrid, coat, phase, shadows."""
     vol = blob() if vol is None else vol
     far = vol.centre + np.array((3e3, 2e3, 1e3))
@@ -102,7 +102,7 @@ def everything(*lights, surface=None, phase=HenyeyGreenstein(0.3), vol=None, **o
         vol,
         lights=(*lights, *added),
         surface=surface or Surface(gradient_factor=1e-3),
-        phase=phase,
+        phase=phase or HenyeyGreenstein(0.3),
         **options,
     )
 

@@ -12,16 +12,18 @@ from vtkmcvr.lights import (
     RectangleLight,
 )
 from vtkmcvr.plan import plan
-from vtkmcvr.scene import Camera, HenyeyGreenstein, Lens, Surface
+from vtkmcvr.scene import Camera, Cone, HenyeyGreenstein, Lens, Surface
 
 EFFECTS = {
-    "medium", "gradient classification", "emission", "multiple scattering", "surface shading", "specular coat", "anisotropic phase", "constant environment",
+    "medium", "gradient classification", "emission", "multiple scattering", "surface shading",
+    "specular coat", "anisotropic phase", "constant environment",
     "environment map", "area lights", "point and directional lights",
     "multiple importance sampling", "shadows", "depth of field", "visible environment",
 }  # fmt: skip
 PARTS = {
     "lens": "depth of field", "surface": "surface shading", "gloss": "specular coat",
-    "phase": "anisotropic phase", "scattering": "multiple scattering", "shadows": "shadows", "ambient": "constant environment",
+    "phase": "anisotropic phase", "scattering": "multiple scattering",
+    "shadows": "shadows", "ambient": "constant environment",
     "environment": "environment map", "rectangles": "area lights",
     "delta_lights": "point and directional lights",
 }  # fmt: skip
@@ -110,12 +112,14 @@ def test_constant_volume_has_no_surfaces():
 def test_reasons_name_quantities():
     planned = plan(
         scene(
-            noise(), camera=lensed(0.25), surface=Surface(0.7, exponent=12), phase=HenyeyGreenstein(0.4),
+            noise(), camera=lensed(0.25), surface=Surface(0.7, exponent=12),
+            phase=HenyeyGreenstein(0.4),
             lights=(*SKY, *LAMP, DirectionalLight((0, 0, 1)), PointLight((0, 9, 0))),
             shadow_reach=3.5, ratio_tracking=True, environment_visible=True,
         )
     )  # fmt: skip
     text = planned.explain()
+    assert "within 60 degrees" in plan(scene(phase=Cone(60))).explain()
     for words in ("0.25", "0.7", "exponent 12", "g = 0.4", "1 rectangles", "2, one shadow ray",
                   "ratio tracking, up to 3.5", "power heuristic", "miss the volume"):  # fmt: skip
         assert words in text

@@ -19,6 +19,7 @@ __all__ = [
     "Schlick", "Surface", "TransferFunction", "TransferTable", "Vector", "Volume",
 ]  # fmt: skip
 
+ISOTROPIC = Isotropic()
 ESTIMATORS = ("majorant-grid", "woodcock", "ray-march")
 
 
@@ -66,7 +67,7 @@ class Scene:
     camera: Camera
     lights: tuple[Light, ...] = ()
     surface: Surface | None = None
-    phase: Phase = Isotropic()
+    phase: Phase = ISOTROPIC
     scattering: str = "single"
     max_scatterings: int | None = None
     estimator: str = "majorant-grid"

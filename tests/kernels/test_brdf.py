@@ -57,7 +57,9 @@ def direction(theta, phi=0.0):
 
 
 def gloss(specular, exponent, ggx=False):
-    return packed.Gloss(tuple(f32(x) for x in np.broadcast_to(specular, 3)), f32(exponent), np.bool_(ggx))
+    return packed.Gloss(
+        tuple(f32(x) for x in np.broadcast_to(specular, 3)), f32(exponent), np.bool_(ggx)
+    )
 
 
 def colour(value):

@@ -26,7 +26,7 @@ NO_NORMAL = (ZERO, ZERO, ZERO)
 
 @leaf
 def surface_opacity(surface, sigma_t):
-    """alpha of Eq. 1: opacity over the transfer function's unit distance, or 1 for everywhere."""
+    """Alpha of Eq. 1: opacity over the transfer function's unit distance, or 1 for everywhere."""
     return -math.expm1(-sigma_t * surface.opacity_distance)
 
 

@@ -1,4 +1,4 @@
-"""Direct light at a scattering point: by a light and by the scattering function, combined by MIS."""
+"""Direct light at a scattering point, drawn by a light and by the scattering function, with MIS."""
 
 import numpy as np
 

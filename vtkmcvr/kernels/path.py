@@ -62,9 +62,7 @@ def multiple_scattering(scattering, scene, v, rng):
         L = add(L, mul(throughput, add(v.emitted, direct)))
         # Next direction
         wi, rng = sample_scatter(v, rng)
-        throughput, rng = roulette(
-            mul(throughput, scatter_weight(v, wi)), scattering.roulette, rng
-        )
+        throughput, rng = roulette(mul(throughput, scatter_weight(v, wi)), scattering.roulette, rng)
         if largest(throughput) <= ZERO:
             break
         # A light, or the next collision

@@ -1,11 +1,11 @@
 """Phase functions: isotropic, Henyey-Greenstein, Schlick, Rayleigh, cone.
 
 wo and wi both point away from the scattering point; light goes straight on when wi = -wo, hence the
-+ 2 g cos in the denominators. With x = 1 +- wo.wi, the distance of the cosine from the peak, nothing
-cancels where the peak is narrow.
++ 2 g cos in the denominators. With x = 1 +- wo.wi, the distance of the cosine from its peak,
+nothing cancels where the peak is narrow.
 
-Sources: Henyey and Greenstein 1941, form as in pbrt; Blasi, Le Saec, Schlick, CGF 12(3), 1993; Rayleigh,
-sampled as in Frisvad, JOSA A 28(12), 2011; cone: Schott et al., CGF 28(3), 2009, Eq. 6 and 7.
+Sources: Henyey and Greenstein 1941, form as in pbrt; Blasi, Le Saec, Schlick, CGF 12(3), 1993;
+Rayleigh, sampled as in Frisvad, JOSA A 28(12), 2011; cone: Schott et al., CGF 28(3), 2009, Eq. 6.
 """
 
 import math

@@ -1,4 +1,4 @@
-"""Classification after interpolation: scalar and gradient -> extinction, colour and other channels."""
+"""Classification after interpolation: scalar and gradient -> extinction, colour, other channels."""
 
 import math
 
