@@ -2,6 +2,7 @@ import math
 
 import numpy as np
 import pytest
+from compiled import compiled
 from scenes import noise, render, scene
 
 from vtkmcvr import film
@@ -9,6 +10,7 @@ from vtkmcvr.kernels.cpu import accumulate
 from vtkmcvr.lights import ConstantEnvironment
 
 f32 = np.float32
+add_sample = compiled(accumulate)
 
 
 def filled(samples, hits=None, depths=None):
@@ -17,7 +19,7 @@ def filled(samples, hits=None, depths=None):
     for i, x in enumerate(samples):
         hit = True if hits is None else hits[i]
         depth = 2.0 if depths is None else depths[i]
-        accumulate(one, 0, 0, (f32(x), f32(2 * x), f32(0)), hit, depth)
+        add_sample(one, 0, 0, (f32(x), f32(2 * x), f32(0)), hit, depth)
     return one
 
 

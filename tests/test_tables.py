@@ -2,6 +2,7 @@ import math
 
 import numpy as np
 import pytest
+from compiled import compiled
 from scenes import WHITE, scene, volume
 
 from vtkmcvr.curves import ColourCurve, Curve
@@ -78,7 +79,7 @@ def test_number_of_entries(width, finest, integer):
 
 def test_nan_has_no_extinction():
     parts = plan(scene(span(0, 10, "float32"), TransferFunction(Curve([(0, 1)]), COLOUR))).packed
-    assert extinction(parts.transfer, np.float32(np.nan)) == 0
+    assert compiled(extinction)(parts.transfer, np.float32(np.nan)) == 0
 
 
 def opaque_tables(spacing, unit, density=1.0, alpha=1.0):

@@ -33,8 +33,8 @@ class Medium(NamedTuple):
     ]  # [k, j, i] of cells: bound of sigma_t; <= 0: empty, minus cells around
     cell_size: np.float32  # edge of a cell in index units
     cells_per_index: np.float32
-    active_lo: Vector  # index box outside of which the majorant is zero
-    active_hi: Vector
+    active_lo: Vector64  # index box outside of which the majorant is zero
+    active_hi: Vector64
     index_from_world: Matrix  # directions: index units per world unit
 
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from . import packed
 from .kernels.gradient_range import scale_majorants, table_majorants
 from .kernels.majorant import cell_majorants, mark_empty_cubes, range_maxima
-from .pack import f32, matrix, vector
+from .pack import f32, matrix, vector64
 from .plan_surface import world_from_index_gradient
 from .scene import Scene
 from .tables import Tables
@@ -36,7 +36,7 @@ def pack_medium(
     index_from_world = np.linalg.inv(scene.volume.index_to_world[:3, :3])
     return packed.Medium(
         voxels.values, majorant, f32(cell), f32(1.0 / cell),
-        vector(lo), vector(hi), matrix(index_from_world),
+        vector64(lo), vector64(hi), matrix(index_from_world),
     )  # fmt: skip
 
 

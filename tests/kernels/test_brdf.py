@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from compiled import compiled
 from scenes import WHITE, frontal, scene, volume
 
 from vtkmcvr import packed
@@ -207,7 +208,7 @@ def packed_surface(mode, g=0.5, threshold=0.5):
 @pytest.mark.parametrize("alpha", [1.0, 0.3])
 def test_probability_of_a_surface(g, m, expected, alpha):
     surface = packed_surface(HYBRID, g)
-    found = surface_probability(surface, f32(alpha), f32(40 * m))
+    found = compiled(surface_probability)(surface, f32(alpha), f32(40 * m))
     assert found == pytest.approx(alpha * expected, abs=4e-3 * alpha)
     assert found == pytest.approx(alpha * -math.expm1(-25 * g**3 * m), rel=1e-5)
 
@@ -215,8 +216,9 @@ def test_probability_of_a_surface(g, m, expected, alpha):
 @pytest.mark.parametrize("alpha", [1.0, 0.3])
 @pytest.mark.parametrize("m", [1e-6, 0.49, 0.51, 1.0])
 def test_probability_of_a_surface_in_other_modes(m, alpha):
-    always = surface_probability(packed_surface(ALWAYS), f32(alpha), f32(40 * m))
-    above = surface_probability(packed_surface(THRESHOLD), f32(alpha), f32(40 * m))
+    probability = compiled(surface_probability)
+    always = probability(packed_surface(ALWAYS), f32(alpha), f32(40 * m))
+    above = probability(packed_surface(THRESHOLD), f32(alpha), f32(40 * m))
     assert always == pytest.approx(alpha)
     assert above == pytest.approx(alpha if m > 0.5 else 0.0)
 

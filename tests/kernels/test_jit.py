@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+from compiled import compiled
 from numba.core.caching import FunctionCache
 from scenes import blob, everything, render
 
@@ -107,7 +108,6 @@ def test_no_kernel_uses_doubles_by_accident():
     from vtkmcvr.kernels.phase import phase_value
 
     v = (np.float32(0), np.float32(0), np.float32(1))
-    assert isinstance(phase_value(None, v, v), float)
     for kernel, args in ((brdf_pdf, (None, v, v, v)), (phase_value, (None, v, v))):
-        kernel(*args)
+        assert isinstance(compiled(kernel)(*args), float)
         assert all(str(o.signature.return_type) == "float32" for o in kernel.overloads.values())

@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from .grid import INFINITE, gradient
-from .jit import device, leaf
+from .jit import device
 from .rng import uniform
 from .vec import BLACK, add, dot, from_basis, orthonormal_basis, scale, sub
 from .warp import INVERSE_PI, TWO_PI, cosine_hemisphere
@@ -24,13 +24,13 @@ HYBRID, ALWAYS, THRESHOLD = 0, 1, 2
 NO_NORMAL = (ZERO, ZERO, ZERO)
 
 
-@leaf
+@device
 def surface_opacity(surface, sigma_t):
     """Alpha of Eq. 1: opacity over the transfer function's unit distance, or 1 for everywhere."""
     return -math.expm1(-sigma_t * surface.opacity_distance)
 
 
-@leaf
+@device
 def surface_probability(surface, alpha, magnitude):
     """P_brdf = alpha (1 - exp(-25 g^3 |grad tau_n|)), Exposure Render Eq. 1 corrected.
 
@@ -44,7 +44,7 @@ def surface_probability(surface, alpha, magnitude):
     return alpha
 
 
-@leaf
+@device
 def surface_event(surface, medium, p, sigma_t, wo, rng):
     """Decide whether the collision at index position p scatters by the BRDF.
 
@@ -139,7 +139,7 @@ def grazing(x):
     return x * (FIVE + x * (-TEN + x * (TEN + x * (-FIVE + x))))
 
 
-@leaf
+@device
 def brdf_value(gloss, diffuse, n, wo, wi):
     """f_r(wo, wi) times the cosine of wi, RGB per steradian; zero below the surface."""
     cos_o = dot(n, wo)
@@ -159,7 +159,7 @@ def brdf_value(gloss, diffuse, n, wo, wi):
     return scale(f, cos_i)
 
 
-@leaf
+@device
 def brdf_pdf(gloss, n, wo, wi):
     """Density of `sample_brdf` per steradian: the mean of both lobes' (HC-31)."""
     cos_i = dot(n, wi)
@@ -174,7 +174,7 @@ def brdf_pdf(gloss, n, wo, wi):
     return HALF * (cos_i * INVERSE_PI + pdf_h / (FOUR * cos_h))
 
 
-@leaf
+@device
 def brdf_weight(gloss, diffuse, n, wo, wi):
     """`brdf_value` over `brdf_pdf` for a direction drawn by `sample_brdf`."""
     if gloss is None:
@@ -187,7 +187,7 @@ def brdf_weight(gloss, diffuse, n, wo, wi):
     return scale(brdf_value(gloss, diffuse, n, wo, wi), ONE / pdf)
 
 
-@leaf
+@device
 def sample_brdf(gloss, n, wo, rng):
     """Direction with density `brdf_pdf`; below the surface both value and density are 0.
 

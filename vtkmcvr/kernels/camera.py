@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from .jit import device, leaf
+from .jit import device
 from .rng import uniform
 from .vec import add, at, dot, narrow, normalize, scale, sub
 from .warp import concentric_disk
@@ -13,7 +13,7 @@ f32 = np.float32
 HALF = 0.5
 
 
-@leaf
+@device
 def filtered_position(table, cell, u):
     """Film coordinate drawn from the pixel filter around the centre of pixel `cell`.
 
@@ -38,7 +38,7 @@ def through_lens(lens, origin, direction, rng):
     return add(origin, offset), normalize(sub(focus, offset)), rng
 
 
-@leaf
+@device
 def camera_ray(camera, lens, column, row, rng):
     """Ray of one sample of a pixel. Returns (origin float64, unit direction float32, rng)."""
     rng, u = uniform(rng)

@@ -5,12 +5,12 @@ import math
 import numpy as np
 
 from .camera import camera_ray
-from .jit import kernel, leaf
+from .jit import device, kernel
 from .path import radiance
 from .rng import start
 
 
-@leaf
+@device
 def accumulate(film, row, column, L, hit, depth):
     """Update the running moments of a pixel by one sample (Welford 1962)."""
     n = film.count[row, column] + 1

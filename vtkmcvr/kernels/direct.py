@@ -14,7 +14,7 @@ from .lights import (
 )
 from .scatter import sample_scatter, scatter_pdf, scatter_value, scatter_weight
 from .tracking import transmittance
-from .vec import BLACK, add, largest, mul, scale, transform
+from .vec import BLACK, add, largest, mul, scale, transform, wide
 
 f32 = np.float32
 ZERO, ONE = f32(0.0), f32(1.0)
@@ -37,11 +37,11 @@ def visibility(scene, p, wi, distance, rng):
     """Transmittance from index position p along wi over `distance`. Returns (T, rng)."""
     medium = scene.medium
     d = transform(medium.index_from_world, wi)
-    _, leave = box_interval(p, d, medium.active_lo, medium.active_hi)
+    _, leave = box_interval(wide(p), wide(d), medium.active_lo, medium.active_hi)
+    length = min(f32(leave), distance)
     return transmittance(
-        scene.shadows, scene.marching, medium, scene.transfer, scene.ratio, p, d,
-        min(leave, distance), rng,
-    )  # fmt: skip
+        scene.shadows, scene.marching, medium, scene.transfer, scene.ratio, p, d, length, rng
+    )
 
 
 @device

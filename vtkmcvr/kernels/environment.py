@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from .jit import device, leaf
+from .jit import device
 from .rng import uniform
 from .vec import BLACK, transform
 from .warp import PI, TWO_PI
@@ -36,7 +36,7 @@ def map_position(environment, d):
     return (phi - f32(math.floor(phi))) * f32(columns), theta * f32(rows)
 
 
-@leaf
+@device
 def environment_radiance(environment, d):
     """Radiance arriving from direction d, bilinear."""
     if environment is None:
@@ -73,7 +73,7 @@ def texel_density(environment, j, i):
     return chance * f32(columns) / (TWO_PI * (top - bottom))
 
 
-@leaf
+@device
 def environment_pdf(environment, d):
     """Density of `sample_environment` per steradian."""
     if environment is None:
@@ -98,7 +98,7 @@ def cdf_index(cdf, u):
     return lo, min(max(fraction, ZERO), ONE)
 
 
-@leaf
+@device
 def sample_environment(environment, rng):
     """Direction drawn by radiance. Returns (wi, radiance, density, rng)."""
     rows, columns, _ = environment.pixels.shape

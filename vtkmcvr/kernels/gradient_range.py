@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from .jit import device, entry_point
+from .jit import device, kernel
 
 f32 = np.float32
 # Interpolated gradients may exceed their exact bounds by a few float32 roundings
@@ -65,7 +65,7 @@ def magnitude_range(m, x, y, z):
     return math.sqrt(least) * (f32(1.0) - ROUNDING), math.sqrt(most) * (f32(1.0) + ROUNDING)
 
 
-@entry_point
+@kernel
 def fill_gradient_ranges(values, m, cell, lowest, highest):
     """Range of the world-space gradient magnitude in every cell."""
     for cz in range(lowest.shape[0]):
@@ -89,7 +89,7 @@ def entries_between(low, high, start, per_unit, n):
     return int(first), int(last)
 
 
-@entry_point
+@kernel
 def scale_majorants(majorant, lowest, highest, factor, per_gradient):
     """Multiply each cell's majorant by the largest factor over its range of gradients."""
     for cz in range(majorant.shape[0]):
@@ -104,7 +104,7 @@ def scale_majorants(majorant, lowest, highest, factor, per_gradient):
                 majorant[cz, cy, cx] *= most
 
 
-@entry_point
+@kernel
 def table_majorants(majorant, scalars, gradients, table, maxima):
     """Largest table entry over each cell's ranges of scalar and gradient, where it had any density.
 

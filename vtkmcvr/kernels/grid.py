@@ -2,16 +2,17 @@
 
 import numpy as np
 
-from .jit import device, leaf
+from .jit import device
 from .vec import transform
 
 f32, i32, index = np.float32, np.int32, np.uintp
 ZERO, ONE = f32(0.0), f32(1.0)
 NEXT = np.uintp(1)
 INFINITE = f32(1e30)
+FAR = 1e30
 
 
-@leaf
+@device
 def trilinear(values, p):
     """Scalar at index position p, clamped to the outer points; NaN where a corner is NaN.
 
@@ -45,7 +46,7 @@ def slope(values, before, after, width):
     return (trilinear(values, after) - trilinear(values, before)) / width
 
 
-@leaf
+@device
 def gradient(values, world_from_index_gradient, p):
     """World-space gradient (scalar per world unit) at index position p, float32 3-tuple.
 
@@ -64,19 +65,19 @@ def gradient(values, world_from_index_gradient, p):
     return transform(world_from_index_gradient, g)
 
 
-@leaf
+@device
 def box_interval(o, d, lo, hi):
     """Parametric interval in which the ray (o, d) is inside the box; empty if first >= second.
 
     Slab test that lets no NaN through: a component of d that is zero leaves the interval as it is
-    or empties it. Works in the precision of its arguments.
+    or empties it. All arguments are float64.
     """
-    t0, t1 = -INFINITE, INFINITE
+    t0, t1 = -FAR, FAR
     for axis in range(3):
         if d[axis] == 0.0:
             if o[axis] < lo[axis] or o[axis] > hi[axis]:
-                t1 = -INFINITE
-                t0 = INFINITE
+                t1 = -FAR
+                t0 = FAR
         else:
             near = (lo[axis] - o[axis]) / d[axis]
             far = (hi[axis] - o[axis]) / d[axis]

@@ -45,22 +45,23 @@ def _cached(dispatcher):
 
 
 # Kernels allocate nothing, so Numba's reference counting is left out of them: it would count every
-# array of the scene up and down, atomically, at each call of a leaf (445 calls in a path, or 14).
-KERNEL = {"error_model": "numpy", "fastmath": FAST_MATH, "_nrt": False}
-
-
-def leaf(function: Callable):
-    """Compile a function that other kernels call and that Python may call too, as tests do."""
-    return _cached(njit(forceinline=True, **KERNEL)(function))
+# array of the scene up and down, atomically, at each call of a function (445 calls in a path, or
+# 14). No function is called back from C.
+KERNEL = {
+    "error_model": "numpy",
+    "fastmath": FAST_MATH,
+    "no_cfunc_wrapper": True,
+    "_nrt": False,
+}
 
 
 def device(function: Callable):
     """Compile a function that only kernels call, on the CPU and (re-compiled) on CUDA.
 
-    It gets no wrapper for Python, which takes as long to compile as the function itself.
+    It gets no wrapper for Python, which takes as long to compile as the function itself; a test
+    calls it through a kernel or `entry_point` of its own.
     """
-    options = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-    return _cached(njit(forceinline=True, **options, **KERNEL)(function))
+    return _cached(njit(forceinline=True, no_cpython_wrapper=True, **KERNEL)(function))
 
 
 def glue(function: Callable):
@@ -74,7 +75,7 @@ def glue(function: Callable):
 
 
 def kernel(function: Callable):
-    """Compile the launcher of a tile: called by Python, without the GIL; allocates nothing."""
+    """Compile a function that Python calls, which runs without the GIL and allocates nothing."""
     return _cached(njit(nogil=True, **KERNEL)(function))
 
 

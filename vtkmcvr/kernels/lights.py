@@ -11,7 +11,7 @@ import numpy as np
 
 from .environment import sample_environment
 from .grid import INFINITE
-from .jit import device, leaf
+from .jit import device
 from .rng import uniform
 from .vec import BLACK, at, dot, normalize, scale, sub
 
@@ -47,7 +47,7 @@ def rectangle_facing(rectangles, i, wi):
     return max(cosine, ZERO)
 
 
-@leaf
+@device
 def rectangle_distance(rectangles, i, o, d):
     """Distance at which the ray meets rectangle i, INFINITE if it does not."""
     normal = row(rectangles.normal, i)
@@ -137,7 +137,7 @@ def choose_light(choice, x, on_surface, normal, rng):
     return n - 1, light_weight(choice, n - 1, x, on_surface, normal) / total, rng
 
 
-@leaf
+@device
 def rectangle_pdf(rectangles, chance, index, wi, distance):
     """Density per steradian with which light sampling finds this direction, selection included."""
     if rectangles is None:
@@ -148,7 +148,7 @@ def rectangle_pdf(rectangles, chance, index, wi, distance):
     return chance * distance * distance / (cosine * rectangles.area[index])
 
 
-@leaf
+@device
 def sample_rectangle(rectangles, i, chance, x, rng):
     """Uniform point of the rectangle, seen from x."""
     rng, u = uniform(rng)

@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from .jit import device, entry_point
+from .jit import device, kernel
 
 f32 = np.float32
 # Interpolated scalars and table look-ups may exceed their exact bounds by a few float32 roundings.
@@ -42,7 +42,7 @@ def cell_range(values, cell, cz, cy, cx):
     return lowest, highest
 
 
-@entry_point
+@kernel
 def fill_cell_ranges(values, cell, lowest, highest, z_0, z_1):
     """Ranges of the cell layers z_0 to z_1; NaN voxels are ignored (they are transparent)."""
     for cz in range(z_0, z_1):
@@ -53,24 +53,19 @@ def fill_cell_ranges(values, cell, lowest, highest, z_0, z_1):
                 highest[cz, cy, cx] = b
 
 
-@entry_point
 def range_maxima(table):
     """Sparse table: row r holds the maximum over 2^r entries from each start."""
     n = len(table)
-    levels = 1
-    while (1 << levels) <= n:
-        levels += 1
-    out = np.empty((levels, n), f32)
-    for i in range(n):
-        out[0, i] = table[i]
-    for r in range(1, levels):
-        half = 1 << (r - 1)
-        for i in range(n):
-            out[r, i] = max(out[r - 1, i], out[r - 1, min(i + half, n - 1)])
-    return out
+    rows = [np.ascontiguousarray(table, f32)]
+    half = 1
+    while 2 * half <= n:
+        ahead = np.minimum(np.arange(n) + half, n - 1)
+        rows.append(np.maximum(rows[-1], rows[-1][ahead]))
+        half *= 2
+    return np.array(rows)
 
 
-@entry_point
+@kernel
 def cell_majorants(lowest, highest, maxima, table_lowest, per_scalar, out):
     """Largest table entry between the two that enclose each cell's range of scalars."""
     last = maxima.shape[1] - 1
@@ -105,11 +100,11 @@ def nearest_before(radius, z, y, x, step):
     for dz, dy, dx in BEFORE:
         k, j, i = z - step * dz, y - step * dy, x - step * dx
         if 0 <= k < nz and 0 <= j < ny and 0 <= i < nx:
-            best = min(best, radius[k, j, i] + f32(1.0))
+            if radius[k, j, i] + f32(1.0) < best:
+                best = radius[k, j, i] + f32(1.0)
     return best
 
 
-@entry_point
 def mark_empty_cubes(majorant):
     """Replace zero majorants by minus the radius of the empty cube around the cell, in cells.
 
@@ -117,26 +112,30 @@ def mark_empty_cubes(majorant):
     chessboard distance to the nearest occupied cell (Rosenfeld and Pfaltz, Pattern Recognition
     1(1), 1968), less one.
     """
-    nz, ny, nx = majorant.shape
-    radius = np.empty(majorant.shape, f32)
-    for z in range(nz):
-        for y in range(ny):
-            for x in range(nx):
-                radius[z, y, x] = f32(0.0) if majorant[z, y, x] > f32(0.0) else EMPTY
-    for z in range(nz):
-        for y in range(ny):
-            for x in range(nx):
-                if radius[z, y, x] > f32(0.0):
-                    radius[z, y, x] = min(radius[z, y, x], nearest_before(radius, z, y, x, 1))
-    for z in range(nz - 1, -1, -1):
-        for y in range(ny - 1, -1, -1):
-            for x in range(nx - 1, -1, -1):
-                if radius[z, y, x] > f32(0.0):
-                    radius[z, y, x] = min(radius[z, y, x], nearest_before(radius, z, y, x, -1))
-                    majorant[z, y, x] = f32(1.0) - radius[z, y, x]
+    radius = np.where(majorant > 0, f32(0.0), EMPTY)
+    sweep(radius, 1)
+    sweep(radius, -1)
+    empty = radius > 0
+    majorant[empty] = f32(1.0) - radius[empty]
 
 
-@entry_point
+@kernel
+def sweep(radius, step):
+    """Propagate radii in storage order (step 1) or against it (step -1)."""
+    nz, ny, nx = radius.shape
+    for k in range(nz):
+        for j in range(ny):
+            for i in range(nx):
+                z, y, x = k, j, i
+                if step < 0:
+                    z, y, x = nz - 1 - k, ny - 1 - j, nx - 1 - i
+                if radius[z, y, x] > f32(0.0):
+                    nearest = nearest_before(radius, z, y, x, step)
+                    if nearest < radius[z, y, x]:
+                        radius[z, y, x] = nearest
+
+
+@kernel
 def largest_gradient(values, world_from_index_gradient):
     """Largest world-space gradient magnitude over the voxels, by the kernel's own differences."""
     nz, ny, nx = values.shape

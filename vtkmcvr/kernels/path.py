@@ -14,9 +14,9 @@ from .lights import nearest_rectangle, rectangle_radiance
 from .rng import uniform
 from .scatter import sample_scatter, scatter_weight, vertex_at
 from .tracking import sample_collision
-from .vec import BLACK, add, at, largest, mul, narrow, scale, transform
+from .vec import BLACK, add, at, largest, mul, narrow, scale, transform, wide
 
-f32 = np.float32
+f32, f64 = np.float32, np.float64
 ZERO, ONE = f32(0.0), f32(1.0)
 WHITE = (ONE, ONE, ONE)
 
@@ -68,8 +68,8 @@ def multiple_scattering(scattering, scene, v, rng):
         # A light, or the next collision
         met, distance = light_met(scene, scene.choice, v, wi)
         d = transform(medium.index_from_world, wi)
-        _, leave = box_interval(v.p, d, medium.active_lo, medium.active_hi)
-        length = min(leave, distance)
+        _, leave = box_interval(wide(v.p), wide(d), medium.active_lo, medium.active_hi)
+        length = min(f32(leave), distance)
         t, scalar, sigma_t, rng = sample_collision(
             scene.marching, medium, scene.transfer, v.p, d, length, rng
         )
@@ -101,11 +101,12 @@ def radiance(scene, origin, d, rng):
     """
     camera, medium = scene.camera, scene.medium
     o_index = add(camera.index_of_centre, transform(camera.index_from_world, origin))
-    d_index = transform(camera.index_from_world, d)
+    d_wide = wide(d)
+    d_index = transform(camera.index_from_world, d_wide)
     enter, leave = box_interval(o_index, d_index, medium.active_lo, medium.active_hi)
     enter = max(enter, 0.0)
     index, distance = nearest_rectangle(scene.rectangles, narrow(origin), d, True)
-    length = f32(min(leave, distance) - enter)
+    length = f32(min(leave, f64(distance)) - enter)
     if not length > ZERO:
         return background(scene, d, index), False, 0.0
     entry = narrow(at(o_index, d_index, enter))
@@ -115,8 +116,8 @@ def radiance(scene, origin, d, rng):
     )
     if t < ZERO:
         return background(scene, d, index), False, 0.0
-    x = narrow(at(origin, d, enter + t))
+    x = narrow(at(origin, d_wide, enter + f64(t)))
     v, rng = vertex_at(scene, x, at(entry, d_index, t), scale(d, -ONE), scalar, sigma_t, rng)
     once, rng = single_scattering(scene.scattering, scene, v, rng)
     often, rng = multiple_scattering(scene.scattering, scene, v, rng)
-    return add(once, often), True, enter + t
+    return add(once, often), True, enter + f64(t)

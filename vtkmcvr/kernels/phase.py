@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from .jit import device, leaf
+from .jit import device
 from .rng import uniform
 from .vec import add, dot, from_basis, orthonormal_basis, scale
 from .warp import INVERSE_4PI, TWO_PI, uniform_sphere
@@ -24,7 +24,7 @@ INVERSE_2PI = f32(0.5 / math.pi)
 HENYEY_GREENSTEIN, SCHLICK, RAYLEIGH, CONE = 0, 1, 2, 3
 
 
-@leaf
+@device
 def phase_value(phase, wo, wi):
     """p(wo, wi) in 1/steradian; also the density of `sample_phase`.
 
@@ -64,7 +64,7 @@ def from_peak(phase, u):
     return shape * u
 
 
-@leaf
+@device
 def sample_phase(phase, wo, rng):
     """Direction with density `phase_value`. Returns (wi, rng)."""
     rng, u = uniform(rng)

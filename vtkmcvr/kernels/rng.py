@@ -8,7 +8,7 @@ function of (seed, pixel, sample, n): no thread, tile or interruption can change
 
 import numpy as np
 
-from .jit import leaf
+from .jit import device
 
 f32, i32 = np.float32, np.int32
 u64 = np.uint64
@@ -26,7 +26,7 @@ LN2 = f32(0.6931471805599453)
 A3, A5, A7, A9 = f32(2.0 / 3.0), f32(2.0 / 5.0), f32(2.0 / 7.0), f32(2.0 / 9.0)
 
 
-@leaf
+@device
 def mix(z):
     """SplitMix64's finaliser: a bijection of 64-bit words."""
     z = (z ^ (z >> SHIFT_30)) * MIX_1
@@ -34,7 +34,7 @@ def mix(z):
     return z ^ (z >> SHIFT_31)
 
 
-@leaf
+@device
 def start(seed, pixel, sample):
     """State before dimension 0 of one sample of one pixel."""
     return mix(
@@ -42,14 +42,14 @@ def start(seed, pixel, sample):
     )
 
 
-@leaf
+@device
 def uniform(rng):
     """Next variate in [0, 1), a multiple of 2^-24. Returns (rng, u)."""
     rng = rng + GOLDEN
     return rng, f32(np.int64(mix(rng) >> SHIFT_40)) * TO_UNIT_24
 
 
-@leaf
+@device
 def logarithm(x):
     """Natural logarithm of a positive, normal float32, to 2e-7 relative.
 
@@ -65,7 +65,7 @@ def logarithm(x):
     return f32(exponent) * LN2 + s * (TWO + q * series)
 
 
-@leaf
+@device
 def exponential(rng):
     """Next standard exponential variate, in [0, 22.9]. Returns (rng, x).
 

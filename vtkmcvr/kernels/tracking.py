@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from .grid import INFINITE
-from .jit import device, leaf
+from .jit import device
 from .rng import exponential, uniform
 from .transfer import classify
 from .vec import at
@@ -158,7 +158,7 @@ def march(marching, medium, transfer, o, d, length, ratio, rng):
     return ESCAPED, ZERO, ZERO, math.exp(-depth), rng
 
 
-@leaf
+@device
 def sample_collision(marching, medium, transfer, o, d, length, rng):
     """Distance of the first collision, distributed as sigma_t(t) T(t).
 
@@ -171,7 +171,7 @@ def sample_collision(marching, medium, transfer, o, d, length, rng):
     return t, scalar, sigma_t, rng
 
 
-@leaf
+@device
 def transmittance(shadows, marching, medium, transfer, ratio, o, d, length, rng):
     """Estimate of the transmittance over `length` from o along d, unbiased but when marching.
 

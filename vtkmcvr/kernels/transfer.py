@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from .grid import gradient, trilinear
-from .jit import device, leaf
+from .jit import device
 from .vec import BLACK, dot
 
 f32, i32, index = np.float32, np.int32, np.uintp
@@ -21,7 +21,7 @@ def table_position(transfer, scalar):
     return index(i), x - f32(i)
 
 
-@leaf
+@device
 def extinction(transfer, scalar):
     """sigma_t (1/world unit) of a scalar; 0 for NaN (no data is transparent)."""
     if math.isnan(scalar):
@@ -88,7 +88,7 @@ def extinction_2d(table, medium, p, scalar):
     return bilinear(t[j, i], t[j, i + NEXT], t[j + NEXT, i], t[j + NEXT, i + NEXT], u, v)
 
 
-@leaf
+@device
 def classify(gradient_opacity, table_2d, medium, transfer, p):
     """Scalar at index position p and its extinction. Returns (scalar, sigma_t).
 
@@ -129,7 +129,7 @@ def colour_2d(table, medium, p, scalar):
     )
 
 
-@leaf
+@device
 def colour(colour_grid, table_2d, medium, transfer, p, scalar):
     """Single-scattering albedo, which is also the diffuse colour, at p. Linear RGB."""
     if colour_grid is not None:

@@ -6,7 +6,7 @@ import numpy as np
 
 from .jit import device
 
-f32 = np.float32
+f32, f64 = np.float32, np.float64
 BLACK = (f32(0.0), f32(0.0), f32(0.0))
 
 
@@ -65,6 +65,12 @@ def transform(m, a):
 def narrow(a):
     """float64 vector as float32."""
     return (f32(a[0]), f32(a[1]), f32(a[2]))
+
+
+@device
+def wide(a):
+    """float32 vector as float64."""
+    return (f64(a[0]), f64(a[1]), f64(a[2]))
 
 
 @device

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from .jit import leaf
+from .jit import device
 
 f32 = np.float32
 ZERO, ONE, TWO = f32(0.0), f32(1.0), f32(2.0)
@@ -15,7 +15,7 @@ INVERSE_PI = f32(1.0 / math.pi)
 INVERSE_4PI = f32(0.25 / math.pi)
 
 
-@leaf
+@device
 def concentric_disk(u, v):
     """Uniform point of the unit disk (Shirley and Chiu, JGT 2(3), 1997)."""
     a = TWO * u - ONE
@@ -29,7 +29,7 @@ def concentric_disk(u, v):
     return r * math.cos(phi), r * math.sin(phi)
 
 
-@leaf
+@device
 def uniform_sphere(u, v):
     """Uniform direction; density 1/(4 pi)."""
     z = ONE - TWO * u
@@ -38,7 +38,7 @@ def uniform_sphere(u, v):
     return (r * math.cos(phi), r * math.sin(phi), z)
 
 
-@leaf
+@device
 def cosine_hemisphere(u, v):
     """Direction around +z with density cos(theta)/pi (Malley's method)."""
     a, b = concentric_disk(u, v)
