@@ -15,8 +15,8 @@ from vtkmcvr.plan import plan
 from vtkmcvr.scene import Camera, Cone, HenyeyGreenstein, Lens, Surface
 
 EFFECTS = {
-    "medium", "gradient classification", "emission", "multiple scattering", "surface shading",
-    "specular coat", "anisotropic phase", "constant environment",
+    "medium", "colour by point", "gradient classification", "emission", "multiple scattering",
+    "surface shading", "specular coat", "anisotropic phase", "constant environment",
     "environment map", "area lights", "point and directional lights",
     "multiple importance sampling", "shadows", "depth of field", "visible environment",
 }  # fmt: skip
@@ -163,7 +163,9 @@ def test_everything_is_float32_but_the_camera():
         for leaf in leaves(part):
             # No Python number, which would compile anew, and no array that is not C-contiguous
             assert isinstance(leaf, (np.ndarray, np.generic)), (name, leaf)
-            kinds = ("float32", "bool", "int32") + (("float64",) if name in ("camera", "medium") else ())
+            kinds = ("float32", "bool", "int32") + (
+                ("float64",) if name in ("camera", "medium") else ()
+            )
             assert leaf.dtype.name in kinds, (name, leaf.dtype)
             if isinstance(leaf, np.ndarray):
                 assert leaf.flags.c_contiguous

@@ -28,7 +28,7 @@ def pack_transfer(scene: Scene, voxels: Voxels, tables: Tables) -> packed.Transf
         per_scalar=f32(tables.per_scalar),
         gradient_opacity=_gradient_opacity(scene, voxels),
         table_2d=_table_2d(scene, voxels),
-        colour_grid=None,
+        colour_grid=_colour_grid(voxels),
         emission=tables.emission,
         specular=tables.specular if surfaces else None,
         exponent=tables.exponent if surfaces else None,
@@ -47,7 +47,9 @@ def transfer_effects(scene: Scene, transfer: packed.Transfer) -> tuple[Effect, .
     if transfer.emission is not None:
         emission = f"up to radiance {transfer.emission.max():g}, at every collision"
     by_gradient = transfer.gradient_opacity is not None or transfer.table_2d is not None
+    given = transfer.colour_grid is not None
     return (
+        Effect("colour by point", given, "the volume's own" if given else "the volume has none"),
         Effect("gradient classification", by_gradient, gradient),
         Effect("emission", transfer.emission is not None, emission),
     )
@@ -57,6 +59,13 @@ def gradient_distance(scene: Scene) -> float:
     """World units that the transfer function's gradient magnitudes refer to."""
     given = scene.transfer.gradient_distance
     return float(scene.volume.spacing.mean()) if given is None else given
+
+
+def _colour_grid(voxels: Voxels) -> packed.ColourGrid | None:
+    if voxels.colours is None:
+        return None
+    scale = 1 / 255 if voxels.colours[0].dtype == np.uint8 else 1.0
+    return packed.ColourGrid(*voxels.colours, f32(scale))
 
 
 def _gradient_opacity(scene: Scene, voxels: Voxels) -> packed.GradientOpacity | None:

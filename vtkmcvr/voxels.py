@@ -39,6 +39,8 @@ class Voxels:
     cell : int
         Edge of a macrocell, index units.
     cell_lowest, cell_highest : arrays (k, j, i) of macrocells
+    colours : three arrays (k, j, i), optional
+        Red, green and blue of the points, of bytes or float32.
     not_finite : int
         Number of NaN or infinite voxels; they are NaN in `values`, that is transparent.
     """
@@ -51,6 +53,7 @@ class Voxels:
     cell: int
     cell_lowest: NDArray[np.float32]
     cell_highest: NDArray[np.float32]
+    colours: tuple[NDArray, NDArray, NDArray] | None
     not_finite: int
 
     @functools.cached_property
@@ -85,11 +88,11 @@ _cache: weakref.WeakKeyDictionary[Volume, Voxels] = weakref.WeakKeyDictionary()
 def voxels_of(volume: Volume) -> Voxels:
     """Voxels of a volume; computed once for each Volume object."""
     if volume not in _cache:
-        _cache[volume] = _prepare(volume.values)
+        _cache[volume] = _prepare(volume.values, volume.colours)
     return _cache[volume]
 
 
-def _prepare(raw: NDArray) -> Voxels:
+def _prepare(raw: NDArray, rgb: NDArray | None) -> Voxels:
     values, offset, not_finite = _kernel_values(raw)
     cell = cell_edge(values.shape)
     lowest, highest = _cell_ranges(values, cell)
@@ -98,7 +101,10 @@ def _prepare(raw: NDArray) -> Voxels:
         finite = values[np.isfinite(values)]
         low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 0.0)
     integer = values.dtype.kind in "iu"
-    return Voxels(values, offset, low, high, integer, cell, lowest, highest, not_finite)
+    colours = None
+    if rgb is not None:
+        colours = tuple(rgb[..., channel].copy() for channel in range(3))
+    return Voxels(values, offset, low, high, integer, cell, lowest, highest, colours, not_finite)
 
 
 def cell_edge(shape: tuple[int, ...]) -> int:
