@@ -23,6 +23,9 @@ Vector64 = tuple[np.float64, np.float64, np.float64]
 Matrix = tuple[Vector, Vector, Vector]
 Matrix64 = tuple[Vector64, Vector64, Vector64]
 
+# Consecutive samples of a pixel that share a set of Sobol points
+BATCH = 16
+
 
 class Medium(NamedTuple):
     """The scalar field with its majorant grid."""
@@ -74,6 +77,14 @@ class Lens(NamedTuple):
     right: Vector
     up: Vector
     axis: Vector
+
+
+class Sobol(NamedTuple):
+    """Leading dimensions of a path are scrambled Sobol points instead of independent numbers."""
+
+    key: np.uint64  # of a batch, plus an increment for each set of points drawn; 0 in the scene
+    index: np.uint64  # of a sample in its batch; 0 in the scene
+    sets: np.int64  # sets of points, in one or two dimensions, still to be drawn by a path
 
 
 class Surface(NamedTuple):
@@ -181,6 +192,14 @@ class Scene(NamedTuple):
     delta_lights: DeltaLights | None
     choice: LightChoice | None
     environment_visible: np.bool_
+    sobol: Sobol | None
+
+
+class Batches(NamedTuple):
+    """Running moments of the means of batches of `BATCH` samples, [row, column], float64."""
+
+    mean: NDArray[np.float64]  # (H, W, 3) mean of the batches that are complete
+    m2: NDArray[np.float64]  # (H, W, 3) sum of squared deviations of their means
 
 
 class Film(NamedTuple):
@@ -192,3 +211,4 @@ class Film(NamedTuple):
     hits: NDArray[np.int64]  # (H, W) samples that collided in the volume
     depth: NDArray[np.float64]  # (H, W) mean distance of the collisions
     rejected: NDArray[np.int64]  # (H, W) samples that were not finite, counted as zero
+    batches: Batches | None  # where samples of a batch depend on each other

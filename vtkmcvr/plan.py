@@ -13,6 +13,7 @@ from .pack import f32
 from .plan_camera import pack_camera, pack_lens
 from .plan_lights import pack_lights
 from .plan_medium import pack_medium
+from .plan_sampling import pack_sobol, sampling_effect
 from .plan_surface import pack_surface
 from .scene import Scene
 from .tables import DEEPEST_VOXEL, Tables, build_tables
@@ -83,6 +84,7 @@ def plan(scene: Scene) -> Plan:
         medium, transfer, pack_camera(scene), lens, surface, gloss, phase, shadows, ratio,
         lights.ambient, lights.environment, lights.rectangles, lights.delta_lights, lights.choice,
         np.bool_(scene.environment_visible and bool(lights.ambient or lights.environment)),
+        pack_sobol(scene),
     )  # fmt: skip
     effects = (
         _empty_space(medium),
@@ -93,6 +95,7 @@ def plan(scene: Scene) -> Plan:
         _shadow_effect(scene, lit, ratio),
         Effect("depth of field", lens is not None, lens_why),
         _background_effect(scene, result),
+        sampling_effect(result.sobol),
     )
     return Plan(scene, result, effects, _notes(voxels, tables))
 

@@ -46,6 +46,9 @@ class Scene:
     size : (width, height)
         Pixels.
     pixel_filter : PixelFilter
+    sampler : {"sobol", "independent"}
+        How the leading random numbers of a path are drawn: spread evenly over the samples of a
+        pixel, in independent batches, or each on its own. Both are unbiased.
     """
 
     volume: Volume
@@ -60,6 +63,7 @@ class Scene:
     light_sampling: str = "mis"
     size: tuple[int, int] = (800, 600)
     pixel_filter: PixelFilter = field(default_factory=PixelFilter)
+    sampler: str = "sobol"
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "lights", tuple(self.lights))
@@ -72,6 +76,8 @@ class Scene:
             raise ValueError(
                 f"light_sampling is one of mis, light, scatter; got {self.light_sampling!r}"
             )
+        if self.sampler not in ("sobol", "independent"):
+            raise ValueError(f"sampler is one of sobol, independent; got {self.sampler!r}")
         width, height = self.size
         object.__setattr__(
             self,

@@ -11,7 +11,7 @@ import numpy as np
 
 from .grid import gradient
 from .jit import device
-from .rng import uniform
+from .rng import stratified, stratified_pair
 from .transfer import opacity
 from .vec import BLACK, add, dot, from_basis, orthonormal_basis, scale, sub
 from .warp import INVERSE_PI, TWO_PI, cosine_hemisphere
@@ -43,7 +43,7 @@ def surface_event(surface, medium, transfer, p, scalar, wo, rng):
     xi = ZERO
     alpha = ONE
     if not surface.always:
-        rng, xi = uniform(rng)
+        rng, xi = stratified(rng)
         alpha = opacity(transfer, surface.opacity, scalar)
         if xi >= -alpha * math.expm1(-surface.exponent_scale):
             return False, NO_NORMAL, rng
@@ -138,11 +138,10 @@ def sample_brdf(gloss, n, wo, rng):
     Returns (wi, rng).
     """
     s, t = orthonormal_basis(n)
-    rng, u = uniform(rng)
-    rng, v = uniform(rng)
+    rng, u, v = stratified_pair(rng)
     if gloss is None:
         return from_basis(s, t, n, cosine_hemisphere(u, v)), rng
-    rng, lobe = uniform(rng)
+    rng, lobe = stratified(rng)
     if lobe < HALF:
         return from_basis(s, t, n, cosine_hemisphere(u, v)), rng
     cosine = (ONE - u) ** (ONE / (gloss.exponent + ONE))

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from .jit import device
-from .rng import uniform
+from .rng import stratified_pair
 from .vec import add, at, dot, narrow, normalize, scale, sub
 from .warp import concentric_disk
 
@@ -30,8 +30,7 @@ def through_lens(lens, origin, direction, rng):
     """Origin and direction of the ray after the lens (Exposure Render C1; focal plane, HC-50)."""
     if lens is None:
         return origin, direction, rng
-    rng, u = uniform(rng)
-    rng, v = uniform(rng)
+    rng, u, v = stratified_pair(rng)
     a, b = concentric_disk(u, v)
     offset = add(scale(lens.right, a * lens.radius), scale(lens.up, b * lens.radius))
     focus = scale(direction, lens.focus_distance / dot(direction, lens.axis))
@@ -41,8 +40,7 @@ def through_lens(lens, origin, direction, rng):
 @device
 def camera_ray(camera, lens, column, row, rng):
     """Ray of one sample of a pixel. Returns (origin float64, unit direction float32, rng)."""
-    rng, u = uniform(rng)
-    rng, v = uniform(rng)
+    rng, u, v = stratified_pair(rng)
     x = filtered_position(camera.filter, column, u)
     y = filtered_position(camera.filter, row, v)
     origin = at(at(camera.origin, camera.origin_x, x), camera.origin_y, y)

@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from .jit import device
-from .rng import uniform
+from .rng import stratified_pair
 from .vec import add, dot, from_basis, orthonormal_basis, scale
 from .warp import INVERSE_4PI, TWO_PI, uniform_sphere
 
@@ -38,8 +38,7 @@ def sample_phase(phase, wo, rng):
 
     The distance x of the cosine from the peak has a closed form that also holds for g = 0.
     """
-    rng, u = uniform(rng)
-    rng, v = uniform(rng)
+    rng, u, v = stratified_pair(rng)
     if phase is None:
         return uniform_sphere(u, v), rng
     g = abs(phase.g)
