@@ -43,7 +43,8 @@ def smooth_variance(film: packed.Film) -> Plane:
     exact = variance(film)
     between = _box_sum(np.where(np.isfinite(exact), exact, 0.0).sum(axis=-1))
     ratio = np.divide(between, within, out=np.ones_like(within), where=within > 0)
-    return samples * ratio[..., None]
+    known = np.isfinite(samples)
+    return np.where(known, np.where(known, samples, 0.0) * ratio[..., None], np.inf)
 
 
 def _between_samples(film: packed.Film) -> Plane:

@@ -50,6 +50,22 @@ class Transfer(NamedTuple):
     per_scalar: np.float32  # table entries per unit of the scalar
 
 
+class Panorama(NamedTuple):
+    """The camera's directions are (longitude, latitude, unused) in this frame, in radians."""
+
+    right: Vector64
+    up: Vector64
+    forward: Vector64
+
+
+class SideBySide(NamedTuple):
+    """The camera is the left eye's; the right eye's film lies on its right."""
+
+    columns: np.int64  # of one eye
+    origin: Vector64  # to be added for the right eye
+    direction: Vector64
+
+
 class Camera(NamedTuple):
     """Affine map from film to rays.
 
@@ -67,6 +83,8 @@ class Camera(NamedTuple):
     index_from_world: Matrix64
     index_of_centre: Vector64  # index position of the volume's centre
     filter: NDArray[np.float32]  # inverse distribution of the pixel filter, offsets in pixels
+    panorama: Panorama | None
+    side_by_side: SideBySide | None
 
 
 class Lens(NamedTuple):
@@ -77,6 +95,7 @@ class Lens(NamedTuple):
     right: Vector
     up: Vector
     axis: Vector
+    corners: NDArray[np.float32] | None  # (n + 1, 2) of a polygonal aperture of radius 1; closed
 
 
 class Sobol(NamedTuple):

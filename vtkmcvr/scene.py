@@ -8,13 +8,14 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from . import checks
-from .camera import Camera, Lens, PixelFilter, Vector
+from .camera import Camera, Lens, PixelFilter, Stereo, Vector
 from .lights import ConstantEnvironment, EnvironmentMap, Light
 from .material import Surface, TransferFunction
 from .volume import Volume
 
 __all__ = [
-    "Camera", "Lens", "PixelFilter", "Scene", "Surface", "TransferFunction", "Vector", "Volume",
+    "Camera", "Lens", "PixelFilter", "Scene", "Stereo", "Surface", "TransferFunction", "Vector",
+    "Volume",
 ]  # fmt: skip
 
 
