@@ -19,9 +19,8 @@ from vtkmcvr.vtk_scene import (
     default_camera,
     default_headlight,
     lights_of,
+    looks_of,
     phase_of,
-    surface_of,
-    transfer_of,
 )
 
 from .base import WHOLE_EXTENT, ImageFilter
@@ -100,7 +99,16 @@ class SceneFilter(ImageFilter):
 
     def scene(self, image: vtkImageData) -> Scene:
         """Return the scene of an image; the same volume object while the image is unchanged."""
-        volume = self._volumes.volume(image, self.scalars)
+        look, *others = looks_of(
+            image, self.volume_property, scalars=self.scalars,
+            gradient_factor=self.gradient_factor, volume=self._volumes.volume,
+        )  # fmt: skip
+        if others:
+            raise ValueError(
+                f"the image has {1 + len(others)} independent components; take one, or call "
+                "IndependentComponentsOff() for a scalar with colours"
+            )
+        volume = look.volume
         width, height = self.film_size
         camera = self.camera or default_camera(volume, width / height)
         if isinstance(camera, vtkCamera):
@@ -109,10 +117,10 @@ class SceneFilter(ImageFilter):
             camera = dataclasses.replace(camera, lens=self.lens)
         return Scene(
             volume,
-            transfer_of(self.volume_property),
+            look.transfer,
             camera,
             self._scene_lights(camera),
-            surface_of(self.volume_property, gradient_factor=self.gradient_factor),
+            look.surface,
             phase_of(self.volume_property),
             size=self.film_size,
             pixel_filter=self.pixel_filter,

@@ -6,6 +6,7 @@ lights that a test does not want are there, too dark to count.
 
 import numpy as np
 
+from vtkmcvr import film_error
 from vtkmcvr.curves import ColourCurve, Curve
 from vtkmcvr.lights import (
     ConstantEnvironment,
@@ -15,7 +16,15 @@ from vtkmcvr.lights import (
     RectangleLight,
 )
 from vtkmcvr.rendering import render_scene
-from vtkmcvr.scene import Camera, PixelFilter, Scene, Surface, TransferFunction, Volume
+from vtkmcvr.scene import (
+    Camera,
+    HenyeyGreenstein,
+    PixelFilter,
+    Scene,
+    Surface,
+    TransferFunction,
+    Volume,
+)
 
 BOX = PixelFilter("box", 0.5)
 DARK = 1e-15
@@ -76,7 +85,7 @@ def scene(vol=None, transfer=None, camera=None, size=(32, 32), **options):
     )
 
 
-def everything(*lights, surface=None, phase_g=0.3, vol=None, **options):
+def everything(*lights, surface=None, phase=None, vol=None, **options):
     """Scene of one set of effects: all kinds of light, hybrid, coat, phase, shadows."""
     vol = blob() if vol is None else vol
     far = vol.centre + np.array((3e3, 2e3, 1e3))
@@ -94,7 +103,7 @@ def everything(*lights, surface=None, phase_g=0.3, vol=None, **options):
         vol,
         lights=(*lights, *added),
         surface=surface or Surface(gradient_factor=1e-3),
-        phase_g=phase_g,
+        phase=phase or HenyeyGreenstein(0.3),
         **options,
     )
 
@@ -102,9 +111,8 @@ def everything(*lights, surface=None, phase_g=0.3, vol=None, **options):
 def mean_and_error(picture, channel=1):
     """Mean radiance over the pixels, and its standard error from the film's own variance."""
     film = picture.film
-    n = film.count
-    variance = film.m2[..., channel] / (n - 1) / n
-    return film.mean[..., channel].mean(), np.sqrt(variance.sum()) / n.size
+    variance = film_error.variance(film)[..., channel]
+    return film.mean[..., channel].mean(), np.sqrt(variance.sum()) / variance.size
 
 
 def z_score(picture, other):

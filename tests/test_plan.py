@@ -12,16 +12,19 @@ from vtkmcvr.lights import (
     RectangleLight,
 )
 from vtkmcvr.plan import plan
-from vtkmcvr.scene import Camera, Lens, Surface
+from vtkmcvr.scene import Camera, Cone, HenyeyGreenstein, Lens, Stereo, Surface
 
 EFFECTS = {
-    "medium", "surface shading", "specular coat", "anisotropic phase", "constant environment",
+    "medium", "colour by point", "gradient classification", "emission", "multiple scattering",
+    "surface shading", "specular coat", "anisotropic phase", "constant environment",
     "environment map", "area lights", "point and directional lights",
     "multiple importance sampling", "shadows", "depth of field", "visible environment",
+    "even samples",
 }  # fmt: skip
 PARTS = {
     "lens": "depth of field", "surface": "surface shading", "gloss": "specular coat",
-    "phase": "anisotropic phase", "shadows": "shadows", "ambient": "constant environment",
+    "phase": "anisotropic phase", "scattering": "multiple scattering",
+    "shadows": "shadows", "ambient": "constant environment",
     "environment": "environment map", "rectangles": "area lights",
     "delta_lights": "point and directional lights",
 }  # fmt: skip
@@ -60,7 +63,7 @@ def test_absent_effects_are_none_in_the_packed_scene():
 
 
 def test_present_effects_are_there():
-    planned = plan(dataclasses.replace(everything(), camera=lensed(), ratio_tracking=True))
+    planned = plan(dataclasses.replace(everything(), camera=lensed(), scattering="multiple"))
     for part, name in PARTS.items():
         assert getattr(planned.packed, part) is not None
         assert effects(planned)[name].on
@@ -77,11 +80,11 @@ LAMP = (RectangleLight((0, 0, 5), (0, 0, 0), (1, 1)),)
     ("changes", "part", "name", "reason"),
     [
         ({"camera": lensed(0)}, "lens", "depth of field", "aperture radius is 0"),
-        ({"camera": lensed(parallel_scale=2)}, "lens", "depth of field", "parallel projection"),
+        ({"camera": lensed(panorama=True)}, "lens", "depth of field", "panorama"),
         ({"surface": Surface(0)}, "surface", "surface shading", "gradient factor is 0"),
         ({"surface": Surface(0)}, "gloss", "specular coat", "no surfaces"),
         ({"surface": Surface(specular=0)}, "gloss", "specular coat", "Lambert"),
-        ({"phase_g": 1e-4}, "phase", "anisotropic phase", "isotropic"),
+        ({"phase": HenyeyGreenstein(1e-4)}, "phase", "anisotropic phase", "isotropic"),
         ({"shadow_reach": 1.0}, "shadows", "shadows", "no lights"),
         ({"lights": SKY, "shadow_reach": 0}, "shadows", "shadows", "reach is 0"),
         ({"lights": SKY, "shadow_reach": 0, "ratio_tracking": True}, "ratio", "shadows", "is 0"),
@@ -102,7 +105,7 @@ def test_effects_of_no_consequence_are_off(changes, part, name, reason):
 
 
 def test_constant_volume_has_no_surfaces():
-    planned = plan(scene(slab(), surface=Surface(always=True)))
+    planned = plan(scene(slab(), surface=Surface(mode="brdf")))
     assert planned.packed.surface is None
     assert "constant" in effects(planned)["surface shading"].reason
 
@@ -110,12 +113,14 @@ def test_constant_volume_has_no_surfaces():
 def test_reasons_name_quantities():
     planned = plan(
         scene(
-            noise(), camera=lensed(0.25), surface=Surface(0.7, exponent=12), phase_g=0.4,
+            noise(), camera=lensed(0.25), surface=Surface(0.7, exponent=12),
+            phase=HenyeyGreenstein(0.4),
             lights=(*SKY, *LAMP, DirectionalLight((0, 0, 1)), PointLight((0, 9, 0))),
             shadow_reach=3.5, ratio_tracking=True, environment_visible=True,
         )
     )  # fmt: skip
     text = planned.explain()
+    assert "within 60 degrees" in plan(scene(phase=Cone(60))).explain()
     for words in ("0.25", "0.7", "exponent 12", "g = 0.4", "1 rectangles", "2, one shadow ray",
                   "ratio tracking, up to 3.5", "power heuristic", "miss the volume"):  # fmt: skip
         assert words in text
@@ -146,7 +151,7 @@ def test_black_rectangle_still_blocks():
     assert planned.packed.rectangles is not None
 
 
-def test_everything_is_float32_but_the_camera():
+def test_everything_is_float32_but_the_camera_and_the_sampler():
     def leaves(part):
         if isinstance(part, tuple):
             for x in part:
@@ -154,12 +159,18 @@ def test_everything_is_float32_but_the_camera():
         elif part is not None:
             yield part
 
-    packed = plan(dataclasses.replace(everything(), camera=lensed(), ratio_tracking=True)).packed
+    others = {
+        "camera": ("float64", "int64"), "medium": ("float64",), "sobol": ("uint64", "int64"),
+    }  # fmt: skip
+    eyes = dataclasses.replace(
+        everything(), camera=lensed(stereo=Stereo()), ratio_tracking=True, scattering="multiple"
+    )
+    packed = plan(eyes).packed
     for name, part in packed._asdict().items():
         for leaf in leaves(part):
             # No Python number, which would compile anew, and no array that is not C-contiguous
             assert isinstance(leaf, (np.ndarray, np.generic)), (name, leaf)
-            kinds = ("float32", "bool", "int32") + (("float64",) if name == "camera" else ())
+            kinds = ("float32", "bool", "int32", *others.get(name, ()))
             assert leaf.dtype.name in kinds, (name, leaf.dtype)
             if isinstance(leaf, np.ndarray):
                 assert leaf.flags.c_contiguous

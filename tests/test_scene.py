@@ -14,7 +14,18 @@ from vtkmcvr.lights import (
     PointLight,
     RectangleLight,
 )
-from vtkmcvr.scene import Camera, Lens, PixelFilter, Surface, TransferFunction, Volume
+from vtkmcvr.scene import (
+    Camera,
+    Cone,
+    HenyeyGreenstein,
+    Lens,
+    PixelFilter,
+    Rayleigh,
+    Surface,
+    TransferFunction,
+    TransferTable,
+    Volume,
+)
 
 NAN, INF = float("nan"), float("inf")
 EYE = np.eye(4)
@@ -104,8 +115,56 @@ BAD = {
     "spot exponent": (lambda: PointLight((0, 0, 0), exponent=-1), "exponent.*-1"),
     "film": (lambda: scene(size=(0, 10)), "film width.*at least 1.*0"),
     "film height": (lambda: scene(size=(10, 2.5)), "film height.*whole.*2.5"),
-    "phase": (lambda: scene(phase_g=1.0), "phase_g.*1"),
-    "backward phase": (lambda: scene(phase_g=-1.0), "phase_g.*-1"),
+    "phase": (lambda: HenyeyGreenstein(1.0), "g must be.*got 1"),
+    "cone of no width": (lambda: Cone(0.0), "angle.*0.01 to 180.*0"),
+    "no phase": (lambda: scene(phase=0.5), r"Isotropic\(\), Henyey.*0.5"),
+    "g of Rayleigh": (
+        lambda: scene(
+            transfer=TransferFunction(Curve([(0, 1)]), WHITE, g=Curve([(0, 0)])), phase=Rayleigh()
+        ),
+        "needs an Isotropic.*Rayleigh",
+    ),
+    "scattering": (lambda: scene(scattering="some"), "single, multiple.*some"),
+    "scatterings": (
+        lambda: scene(scattering="multiple", max_scatterings=0),
+        "max_scatterings.*at least 1",
+    ),
+    "many of one": (lambda: scene(max_scatterings=3), 'scattering="multiple"'),
+    "short light": (lambda: scene(scattering="multiple", shadow_reach=2), "shadow_reach at inf.*2"),
+    "estimator": (lambda: scene(estimator="guess"), "majorant-grid, woodcock, ray-march.*guess"),
+    "step": (lambda: scene(step=0.0), "step.*above 0"),
+    "mode": (lambda: Surface(mode="always"), "hybrid, brdf, threshold.*always"),
+    "coat": (lambda: Surface(coat="phong"), "blinn, ggx.*phong"),
+    "two coats": (
+        lambda: TransferFunction(
+            Curve([(0, 1)]), WHITE, specular=WHITE, refraction_index=Curve([(0, 1.5)])
+        ),
+        "specular or refraction_index",
+    ),
+    "index": (
+        lambda: TransferFunction(Curve([(0, 1)]), WHITE, refraction_index=Curve([(0, 0.5)])),
+        "refraction_index is at least 1.*0.5",
+    ),
+    "g of a transfer function": (
+        lambda: TransferFunction(Curve([(0, 1)]), WHITE, g=Curve([(0, -1)])),
+        "g goes from -0.9999.*-1",
+    ),
+    "table and opacity": (
+        lambda: TransferFunction(
+            Curve([(0, 1)]), WHITE, table=TransferTable(np.ones((2, 2, 4)), (0, 1), (0, 1))
+        ),
+        "exactly one.*2",
+    ),
+    "table shape": (
+        lambda: TransferTable(np.ones((2, 4)), (0, 1), (0, 1)),
+        r"\(gradients, scalars, 4\)",
+    ),
+    "table range": (
+        lambda: TransferTable(np.ones((2, 2, 4)), (1, 0), (0, 1)),
+        "scalar_range.*1 to 0",
+    ),
+    "table values": (lambda: TransferTable(np.full((2, 2, 4), 2.0), (0, 1), (0, 1)), "0 to 1"),
+    "backward phase": (lambda: HenyeyGreenstein(-1.0), "g must be.*-1"),
     "reach": (lambda: scene(shadow_reach=-1), "shadow_reach.*-1"),
     "NaN reach": (lambda: scene(shadow_reach=NAN), "shadow_reach.*nan"),
     "sampling": (lambda: scene(light_sampling="bsdf"), "mis, light, scatter.*'bsdf'"),
@@ -131,7 +190,7 @@ def test_bad_input_is_named(make, words):
 
 def test_scenes_are_frozen():
     with pytest.raises(dataclasses.FrozenInstanceError):
-        scene().phase_g = 0.5
+        scene().phase = HenyeyGreenstein(0.5)
     with pytest.raises(dataclasses.FrozenInstanceError):
         camera().view_angle = 3
 
@@ -172,7 +231,14 @@ def test_directions_of_any_length_are_taken():
 @pytest.mark.parametrize("g", [-0.9999, 0.9999])
 def test_extreme_phase_functions_reject_no_sample(g):
     picture = render(
-        scene(noise(), medium(3.0), lights=(ConstantEnvironment(),), phase_g=g, shadow_reach=0), 16
+        scene(
+            noise(),
+            medium(3.0),
+            lights=(ConstantEnvironment(),),
+            phase=HenyeyGreenstein(g),
+            shadow_reach=0,
+        ),
+        16,
     )
     assert picture.rejected == 0
     np.testing.assert_allclose(picture.radiance[..., 0], picture.alpha, atol=1e-3)

@@ -7,7 +7,7 @@ from scenes import WHITE, scene, volume
 
 from vtkmcvr.curves import ColourCurve, Curve
 from vtkmcvr.kernels.jit import entry_point
-from vtkmcvr.kernels.transfer import colour, extinction
+from vtkmcvr.kernels.transfer import extinction, rgb
 from vtkmcvr.plan import plan
 from vtkmcvr.scene import TransferFunction
 from vtkmcvr.tables import DEEPEST_VOXEL, FEWEST, MOST, OPAQUE_DEPTH, build_tables, table_entries
@@ -20,7 +20,7 @@ def look_up(transfer, scalars):
     for i in range(len(scalars)):
         s = np.float32(scalars[i])
         out[i, 0] = extinction(transfer, s)
-        out[i, 1:] = colour(transfer, s)
+        out[i, 1:] = rgb(transfer.colour, transfer, s)
     return out
 
 
@@ -95,7 +95,7 @@ def test_full_opacity_is_the_documented_depth(spacing, unit):
     tables = opaque_tables(spacing, unit)
     depth = min(OPAQUE_DEPTH / min(spacing, unit), DEEPEST_VOXEL / spacing)
     assert tables.sigma_t[-1] == pytest.approx(depth, rel=1e-6)
-    assert tables.opacity[-1] == 1
+    assert tables.opacity_distance == unit
     # Transmittance of the shorter of the two distances: 2^-24
     if not tables.capped:
         assert math.exp(-tables.sigma_t[-1] * min(spacing, unit)) == pytest.approx(2**-24, rel=1e-4)

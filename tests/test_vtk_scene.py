@@ -36,6 +36,7 @@ from vtkmcvr.vtk_scene import (
     image_of_arrays,
     light_of,
     lights_of,
+    looks_of,
     matrix_of,
     phase_of,
     refuse_mapper_features,
@@ -286,7 +287,7 @@ def test_unit_distance_and_phase():
     volume_property.SetScalarOpacityUnitDistance(2.5)
     volume_property.SetScatteringAnisotropy(0.6)
     assert transfer_of(volume_property).unit_distance == 2.5
-    assert phase_of(volume_property) == pytest.approx(0.6)
+    assert phase_of(volume_property).g == pytest.approx(0.6)
 
 
 def test_surface_only_with_shading():
@@ -315,8 +316,7 @@ def gradient_opacity(volume_property):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (two_d, "a 2-D transfer function, which is not supported yet; call Set"),
-        (gradient_opacity, "has gradient opacity, which is not supported yet; call Disable"),
+        (two_d, "vtkImageData with four components; call SetTransferFunction2D"),
         (lambda p: p.SetLabelScalarOpacity(1, vtkPiecewiseFunction()), "has a label map"),
         (lambda p: p.SetScalarOpacity(vtkPiecewiseFunction()), "vtkPiecewiseFunction has no nodes"),
         (lambda p: p.GetRGBTransferFunction().IndexedLookupOn(), "indexed .* not supported yet"),
@@ -329,13 +329,97 @@ def test_what_is_not_supported_is_named(change, message):
         transfer_of(volume_property)
 
 
-def test_gradient_opacity_without_effect_is_no_obstacle():
+def test_gradient_opacity_is_a_curve_where_it_has_an_effect():
     volume_property = property_with()
+    assert transfer_of(volume_property).gradient_opacity is None
     volume_property.GetGradientOpacity()
-    transfer_of(volume_property)
+    assert transfer_of(volume_property).gradient_opacity is None
     gradient_opacity(volume_property)
+    curve = transfer_of(volume_property).gradient_opacity
+    function = volume_property.GetStoredGradientOpacity()
+    x = np.linspace(-1, 300, 500)
+    np.testing.assert_allclose(curve(x), [function.GetValue(v) for v in x], atol=1e-12)
     volume_property.DisableGradientOpacityOn()
-    transfer_of(volume_property)
+    assert transfer_of(volume_property).gradient_opacity is None
+
+
+def rgba_table(columns, rows):
+    """TF_2D function whose red counts columns and whose opacity counts rows."""
+    table = vtkImageData()
+    table.SetDimensions(columns, rows, 1)
+    j, i = np.mgrid[:rows, :columns]
+    rgba = np.stack([i / columns, 0 * i, 0 * i + 1.0, j / rows], -1).reshape(-1, 4)
+    table.GetPointData().SetScalars(numpy_to_vtk(rgba.astype(np.float32), deep=True))
+    return table
+
+
+def test_2d_function_spans_scalars_and_a_quarter_of_them():
+    volume_property = property_with()
+    volume_property.SetTransferFunction2D(rgba_table(8, 4))
+    volume_property.SetTransferFunctionModeTo2D()
+    with pytest.raises(ValueError, match="give scalar_range"):
+        transfer_of(volume_property)
+    volume_property.SetScalarOpacityUnitDistance(2.5)
+    transfer = transfer_of(volume_property, scalar_range=(-100.0, 300.0))
+    table = transfer.table
+    assert (table.scalar_range, table.gradient_range) == ((-100, 300), (0, 100))
+    assert table.rgba[3, 5].tolist() == pytest.approx([5 / 8, 0, 1, 3 / 4])
+    assert transfer.unit_distance == 2.5
+
+
+def test_independent_components_are_volumes_with_their_own_functions():
+    image = image_with(components=2)
+    volume_property = property_with()
+    volume_property.SetComponentWeight(1, 0.25)
+    volume_property.SetScalarOpacityUnitDistance(1, 3.0)
+    volume_property.ShadeOn(1)
+    first, second = looks_of(image, volume_property)
+    i, j, k = first.volume.shape
+    np.testing.assert_array_equal(first.volume.values.ravel(), np.arange(0, 2 * i * j * k, 2))
+    np.testing.assert_array_equal(second.volume.values.ravel(), np.arange(1, 2 * i * j * k, 2))
+    np.testing.assert_array_equal(first.volume.index_to_world, second.volume.index_to_world)
+    assert (first.transfer.density_scale, second.transfer.density_scale) == (1.0, 0.25)
+    assert (first.transfer.unit_distance, second.transfer.unit_distance) == (1.0, 3.0)
+    assert first.surface is None
+    assert second.surface is not None
+
+
+def test_four_dependent_components_are_colours_and_a_scalar():
+    image = image_with(components=4, dtype=np.uint8)
+    volume_property = property_with()
+    volume_property.IndependentComponentsOff()
+    (look,) = looks_of(image, volume_property)
+    raw = np.arange(look.volume.values.size * 4).astype(np.uint8).reshape(-1, 4)
+    np.testing.assert_array_equal(look.volume.values.ravel(), raw[:, 3])
+    np.testing.assert_array_equal(look.volume.colours.reshape(-1, 3), raw[:, :3])
+
+
+def test_two_dependent_components_are_a_colour_by_function_and_a_scalar():
+    image = image_with(components=2)
+    volume_property = property_with()
+    volume_property.IndependentComponentsOff()
+    (look,) = looks_of(image, volume_property)
+    raw = np.arange(look.volume.values.size * 2).reshape(-1, 2)
+    np.testing.assert_array_equal(look.volume.values.ravel(), raw[:, 1])
+    function = volume_property.GetRGBTransferFunction()
+    expected = [function.GetColor(float(x)) for x in raw[:, 0]]
+    np.testing.assert_allclose(look.volume.colours.reshape(-1, 3), expected, atol=1e-6)
+
+
+def test_three_dependent_components_are_refused():
+    volume_property = property_with()
+    volume_property.IndependentComponentsOff()
+    with pytest.raises(ValueError, match=r"four \(red.*got 3"):
+        looks_of(image_with(components=3), volume_property)
+
+
+def test_cache_keeps_each_component_while_the_image_is_unchanged():
+    image, cache = image_with(components=2), VolumeCache()
+    first, second = cache.volume(image, component=0), cache.volume(image, component=1)
+    assert first is not second
+    assert cache.volume(image, component=0) is first
+    image.Modified()
+    assert cache.volume(image, component=0) is not first
 
 
 def clipped(mapper):

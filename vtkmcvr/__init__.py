@@ -29,6 +29,8 @@ _HOME = {
     "Surface": "scene",
     "Camera": "scene",
     "Lens": "scene",
+    "Stereo": "scene",
+    "autofocus": "focus",
     "PixelFilter": "scene",
     "Curve": "curves",
     "ColourCurve": "curves",
@@ -46,6 +48,7 @@ __all__ = ["__version__", *_HOME]
 if TYPE_CHECKING:
     from .curves import ColourCurve, Curve
     from .environment_files import read_environment
+    from .focus import autofocus
     from .front import render, scene_of
     from .lights import (
         ConstantEnvironment,
@@ -58,7 +61,16 @@ if TYPE_CHECKING:
     from .picture import Display, Picture
     from .readers import read
     from .rendering import render_scene
-    from .scene import Camera, Lens, PixelFilter, Scene, Surface, TransferFunction, Volume
+    from .scene import (
+        Camera,
+        Lens,
+        PixelFilter,
+        Scene,
+        Stereo,
+        Surface,
+        TransferFunction,
+        Volume,
+    )
     from .studio import view_camera
 
 

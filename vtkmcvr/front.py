@@ -64,8 +64,8 @@ def scene_of(
     shift : float, optional
         Number to add to the values to get HU. Default: 0 for HU, else detected.
     **effects
-        Other fields of `Scene`: surface, phase_g, shadow_reach, environment_visible, pixel_filter
-        ...
+        Other fields of `Scene`: surface, phase, scattering, shadow_reach, environment_visible,
+        pixel_filter ...
 
     Returns
     -------

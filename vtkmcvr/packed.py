@@ -23,6 +23,9 @@ Vector64 = tuple[np.float64, np.float64, np.float64]
 Matrix = tuple[Vector, Vector, Vector]
 Matrix64 = tuple[Vector64, Vector64, Vector64]
 
+# Consecutive samples of a pixel that share a set of Sobol points
+BATCH = 16
+
 
 class Medium(NamedTuple):
     """The scalar field with its majorant grid."""
@@ -38,13 +41,68 @@ class Medium(NamedTuple):
     index_from_world: Matrix  # directions: index units per world unit
 
 
-class Transfer(NamedTuple):
-    """Transfer function tables over [lowest, highest scalar], linear between entries."""
+class GradientOpacity(NamedTuple):
+    """Factor on the extinction by gradient magnitude, linear between entries."""
 
-    sigma_t: NDArray[np.float32]  # (n,) extinction, 1/world unit
+    factor: NDArray[np.float32]  # (n,), from gradient magnitude 0 on
+    per_gradient: np.float32  # table entries per unit of the gradient magnitude
+    world_from_index_gradient: Matrix
+
+
+class Table2D(NamedTuple):
+    """Extinction and colour by scalar and gradient magnitude, bilinear, clamped at the edges."""
+
+    sigma_t: NDArray[np.float32]  # (gradients, scalars), 1/world unit
+    colour: NDArray[np.float32]  # (gradients, scalars, 3)
+    lowest: np.float32  # scalar of the first column
+    per_scalar: np.float32
+    lowest_gradient: np.float32
+    per_gradient: np.float32
+    world_from_index_gradient: Matrix
+
+
+class ColourGrid(NamedTuple):
+    """Colour of every point, which replaces that of the transfer function."""
+
+    red: NDArray  # [k, j, i] like the values
+    green: NDArray
+    blue: NDArray
+    scale: np.float32  # 1, or 1/255 for bytes
+
+
+class Transfer(NamedTuple):
+    """Transfer function tables over [lowest, highest scalar], linear between entries.
+
+    The optional ones are there where their channel varies.
+    """
+
+    sigma_t: NDArray[np.float32]  # (n,) extinction, 1/world unit; its maximum over all gradients
     colour: NDArray[np.float32]  # (n, 3) albedo and diffuse colour
     lowest: np.float32
     per_scalar: np.float32  # table entries per unit of the scalar
+    gradient_opacity: GradientOpacity | None
+    table_2d: Table2D | None
+    colour_grid: ColourGrid | None
+    emission: NDArray[np.float32] | None  # (n, 3) radiance of the absorbing part
+    specular: NDArray[np.float32] | None  # (n, 3) instead of Gloss.specular
+    exponent: NDArray[np.float32] | None  # (n,) instead of Gloss.exponent
+    phase: NDArray[np.float32] | None  # (n,) instead of Phase.shape
+
+
+class Panorama(NamedTuple):
+    """The camera's directions are (longitude, latitude, unused) in this frame, in radians."""
+
+    right: Vector64
+    up: Vector64
+    forward: Vector64
+
+
+class SideBySide(NamedTuple):
+    """The camera is the left eye's; the right eye's film lies on its right."""
+
+    columns: np.int64  # of one eye
+    origin: Vector64  # to be added for the right eye
+    direction: Vector64
 
 
 class Camera(NamedTuple):
@@ -64,6 +122,8 @@ class Camera(NamedTuple):
     index_from_world: Matrix64
     index_of_centre: Vector64  # index position of the volume's centre
     filter: NDArray[np.float32]  # inverse distribution of the pixel filter, offsets in pixels
+    panorama: Panorama | None
+    side_by_side: SideBySide | None
 
 
 class Lens(NamedTuple):
@@ -74,29 +134,54 @@ class Lens(NamedTuple):
     right: Vector
     up: Vector
     axis: Vector
+    corners: NDArray[np.float32] | None  # (n + 1, 2) of a polygonal aperture of radius 1; closed
+
+
+class Sobol(NamedTuple):
+    """Leading dimensions of a path are scrambled Sobol points instead of independent numbers."""
+
+    key: np.uint64  # of a batch, plus an increment for each set of points drawn; 0 in the scene
+    index: np.uint64  # of a sample in its batch; 0 in the scene
+    sets: np.int64  # sets of points, in one or two dimensions, still to be drawn by a path
 
 
 class Surface(NamedTuple):
     """Hybrid surface/volume scattering: where and how often a BRDF replaces the phase function."""
 
-    opacity: NDArray[np.float32]  # (n,) opacity of the transfer function, [0, 1]
+    mode: np.int32  # 0 hybrid by Eq. 1, 1 BRDF at every gradient, 2 above a threshold
+    opacity_distance: np.float32  # of sigma_t in the opacity that P_brdf is proportional to; inf: 1
     world_from_index_gradient: Matrix
     per_gradient: np.float32  # 1 / largest gradient magnitude
     exponent_scale: np.float32  # 25 g^3, with g the gradient factor
-    always: np.bool_  # BRDF wherever there is a gradient, instead of by probability
+    threshold: np.float32  # of the normalised gradient magnitude
 
 
 class Gloss(NamedTuple):
     """Specular coat of surfaces: the glossy part of the Fresnel blend."""
 
     specular: Vector  # reflectance at normal incidence
-    exponent: np.float32  # Blinn exponent
+    exponent: np.float32  # Blinn exponent; the GGX roughness is sqrt(2 / (exponent + 2))
+    ggx: np.bool_  # GGX distribution of microfacets instead of Blinn's
 
 
 class Phase(NamedTuple):
-    """Henyey-Greenstein phase function."""
+    """Phase function other than isotropic."""
 
-    g: np.float32  # mean cosine between the directions of propagation
+    kind: np.int32  # 0 Henyey-Greenstein, 1 Schlick, 2 Rayleigh, 3 cone
+    shape: np.float32  # g; k; nothing; 1 - cosine of the cone's half angle
+
+
+class Scattering(NamedTuple):
+    """Multiple scattering."""
+
+    most: np.int32  # scattering events of a path
+    roulette: np.float32  # throughput below which Russian roulette may end the path
+
+
+class Marching(NamedTuple):
+    """Collisions by marching in equal steps, which is biased, instead of by tracking."""
+
+    step: np.float32  # world units
 
 
 class Shadows(NamedTuple):
@@ -173,6 +258,8 @@ class Scene(NamedTuple):
     surface: Surface | None
     gloss: Gloss | None
     phase: Phase | None
+    scattering: Scattering | None
+    marching: Marching | None
     shadows: Shadows | None
     ratio: RatioTracking | None
     ambient: Ambient | None
@@ -181,6 +268,14 @@ class Scene(NamedTuple):
     delta_lights: DeltaLights | None
     choice: LightChoice | None
     environment_visible: np.bool_
+    sobol: Sobol | None
+
+
+class Batches(NamedTuple):
+    """Running moments of the means of batches of `BATCH` samples, [row, column], float64."""
+
+    mean: NDArray[np.float64]  # (H, W, 3) mean of the batches that are complete
+    m2: NDArray[np.float64]  # (H, W, 3) sum of squared deviations of their means
 
 
 class Film(NamedTuple):
@@ -192,3 +287,4 @@ class Film(NamedTuple):
     hits: NDArray[np.int64]  # (H, W) samples that collided in the volume
     depth: NDArray[np.float64]  # (H, W) mean distance of the collisions
     rejected: NDArray[np.int64]  # (H, W) samples that were not finite, counted as zero
+    batches: Batches | None  # where samples of a batch depend on each other

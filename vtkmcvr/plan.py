@@ -13,7 +13,11 @@ from .pack import f32
 from .plan_camera import pack_camera, pack_lens
 from .plan_lights import pack_lights
 from .plan_medium import pack_medium
+from .plan_phase import pack_phase
+from .plan_sampling import pack_sobol, sampling_effect
 from .plan_surface import pack_surface
+from .plan_transfer import pack_transfer, transfer_effects
+from .plan_transport import estimator_words, pack_marching, pack_scattering, scattering_effect
 from .scene import Scene
 from .tables import DEEPEST_VOXEL, Tables, build_tables
 from .voxels import Voxels, voxels_of
@@ -66,50 +70,45 @@ def plan(scene: Scene) -> Plan:
     """
     voxels = voxels_of(scene.volume)
     tables = build_tables(scene.transfer, voxels, float(scene.volume.spacing.min()))
-    medium = pack_medium(scene, voxels, tables)
+    transfer = pack_transfer(scene, voxels, tables)
+    medium = pack_medium(scene, voxels, tables, transfer)
     lens, lens_why = pack_lens(scene.camera)
     surface, gloss, surface_why, gloss_why = pack_surface(scene, voxels, tables)
-    phase = packed.Phase(f32(scene.phase_g)) if abs(scene.phase_g) >= 1e-3 else None
+    phase, phase_effect = pack_phase(scene.phase, transfer.phase is not None)
+    scattering, marching = pack_scattering(scene), pack_marching(scene)
     lights = pack_lights(scene)
     lit = lights.any
     shadows = (
         packed.Shadows(f32(min(scene.shadow_reach, 1e30))) if lit and scene.shadow_reach else None
     )
     ratio = packed.RatioTracking(f32(ROULETTE)) if shadows and scene.ratio_tracking else None
-    transfer = packed.Transfer(
-        tables.sigma_t, tables.colour, f32(voxels.lowest), f32(tables.per_scalar)
-    )
     result = packed.Scene(
-        medium, transfer, pack_camera(scene), lens, surface, gloss, phase, shadows, ratio,
+        medium, transfer, pack_camera(scene), lens, surface, gloss, phase, scattering, marching,
+        shadows, ratio,
         lights.ambient, lights.environment, lights.rectangles, lights.delta_lights, lights.choice,
         np.bool_(scene.environment_visible and bool(lights.ambient or lights.environment)),
+        pack_sobol(scene),
     )  # fmt: skip
     effects = (
-        _empty_space(medium),
+        _empty_space(scene, medium),
+        *transfer_effects(scene, transfer),
         Effect("surface shading", surface is not None, surface_why),
         Effect("specular coat", gloss is not None, gloss_why),
-        _phase_effect(phase),
+        phase_effect,
+        scattering_effect(scattering),
         *lights.effects,
         _shadow_effect(scene, lit, ratio),
         Effect("depth of field", lens is not None, lens_why),
         _background_effect(scene, result),
+        sampling_effect(result.sobol),
     )
     return Plan(scene, result, effects, _notes(voxels, tables))
 
 
-def _empty_space(medium: packed.Medium) -> Effect:
-    share = float(np.mean(medium.majorant <= 0))
-    if share == 1:
+def _empty_space(scene: Scene, medium: packed.Medium) -> Effect:
+    if bool((medium.majorant <= 0).all()):
         return Effect("medium", False, "the transfer function makes the whole volume transparent")
-    return Effect(
-        "medium", True, f"delta tracking; {share:.0%} of the macrocells are empty and skipped"
-    )
-
-
-def _phase_effect(phase: packed.Phase | None) -> Effect:
-    if phase is None:
-        return Effect("anisotropic phase", False, "g is 0: isotropic")
-    return Effect("anisotropic phase", True, f"Henyey-Greenstein, g = {phase.g:g}")
+    return Effect("medium", True, estimator_words(scene, medium))
 
 
 def _shadow_effect(scene: Scene, lit: bool, ratio: packed.RatioTracking | None) -> Effect:
@@ -118,6 +117,8 @@ def _shadow_effect(scene: Scene, lit: bool, ratio: packed.RatioTracking | None) 
     if scene.shadow_reach == 0:
         return Effect("shadows", False, "shadow reach is 0")
     how = "ratio tracking" if ratio else "delta tracking, seen or not"
+    if scene.estimator == "ray-march":
+        how = "optical depth by steps" if ratio else "steps, seen or not"
     reach = "" if math.isinf(scene.shadow_reach) else f", up to {scene.shadow_reach:g}"
     return Effect("shadows", True, how + reach)
 

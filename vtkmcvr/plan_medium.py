@@ -6,8 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import packed
+from .kernels.gradient_range import scale_majorants, table_majorants
 from .kernels.majorant import cell_majorants, mark_empty_cubes, range_maxima
 from .pack import f32, matrix, vector64
+from .plan_surface import world_from_index_gradient
 from .scene import Scene
 from .tables import Tables
 from .voxels import Voxels
@@ -15,20 +17,43 @@ from .voxels import Voxels
 NOWHERE = -1e9
 
 
-def pack_medium(scene: Scene, voxels: Voxels, tables: Tables) -> packed.Medium:
-    """Voxels with the majorants of this transfer function; no voxel is read."""
+def pack_medium(
+    scene: Scene, voxels: Voxels, tables: Tables, transfer: packed.Transfer
+) -> packed.Medium:
+    """Voxels with the majorants of this transfer function; no voxel is read again."""
     majorant = np.empty(voxels.cell_lowest.shape, f32)
     cell_majorants(
         voxels.cell_lowest, voxels.cell_highest, range_maxima(tables.sigma_t),
-        f32(voxels.lowest), f32(tables.per_scalar), majorant,
+        transfer.lowest, transfer.per_scalar, majorant,
     )  # fmt: skip
+    _bound_by_gradient(scene, voxels, transfer, majorant)
+    cell = float(voxels.cell)
+    last = np.array(scene.volume.shape) - 1
+    lo, hi = _active_box(majorant, voxels.cell, last)
+    if scene.estimator == "woodcock":
+        majorant, cell = np.full((1, 1, 1), majorant.max(), f32), float(last.max())
     mark_empty_cubes(majorant)
-    lo, hi = _active_box(majorant, voxels.cell, np.array(scene.volume.shape) - 1)
     index_from_world = np.linalg.inv(scene.volume.index_to_world[:3, :3])
     return packed.Medium(
-        voxels.values, majorant, f32(voxels.cell), f32(1.0 / voxels.cell),
+        voxels.values, majorant, f32(cell), f32(1.0 / cell),
         vector64(lo), vector64(hi), matrix(index_from_world),
     )  # fmt: skip
+
+
+def _bound_by_gradient(
+    scene: Scene, voxels: Voxels, transfer: packed.Transfer, majorant: NDArray
+) -> None:
+    """Lower the majorants where the transfer function depends on the gradient."""
+    by_gradient, table = transfer.gradient_opacity, transfer.table_2d
+    if by_gradient is None and table is None:
+        return
+    ranges = voxels.gradient_ranges(world_from_index_gradient(scene))
+    if by_gradient is not None:
+        scale_majorants(majorant, *ranges, by_gradient.factor, by_gradient.per_gradient)
+    if table is not None:
+        maxima = np.stack([range_maxima(row) for row in table.sigma_t])
+        scalars = voxels.cell_lowest, voxels.cell_highest
+        table_majorants(majorant, scalars, ranges, table, maxima)
 
 
 def _active_box(majorant: NDArray, cell: int, last: NDArray) -> tuple[NDArray, NDArray]:

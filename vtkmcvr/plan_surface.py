@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from . import packed
+from .material import SURFACE_MODES, Surface
 from .pack import f32, matrix, vector
 from .scene import Scene
 from .tables import Tables
 from .voxels import Voxels
+
+# Distance over which any extinction is opaque: an opacity of 1 for everything
+EVERYWHERE = 1e30
 
 
 def pack_surface(
@@ -19,18 +24,44 @@ def pack_surface(
     no_gloss = "no surfaces"
     if surface is None:
         return None, None, "the scene has no surface: no gradients", no_gloss
-    if surface.gradient_factor == 0 and not surface.always:
+    if surface.gradient_factor == 0 and surface.mode == "hybrid":
         return None, None, "gradient factor is 0: no gradients", no_gloss
-    to_world = np.linalg.inv(scene.volume.index_to_world[:3, :3]).T
-    largest = voxels.largest_gradient(np.ascontiguousarray(to_world))
+    to_world = world_from_index_gradient(scene)
+    largest = voxels.largest_gradient(to_world)
     if largest == 0:
         return None, None, "the volume is constant: no gradients", no_gloss
+    modulated = surface.mode == "hybrid" and surface.opacity_modulated
     result = packed.Surface(
-        tables.opacity, matrix(to_world), f32(1 / largest),
-        f32(25 * surface.gradient_factor**3), np.bool_(surface.always),
+        np.int32(SURFACE_MODES.index(surface.mode)),
+        f32(min(tables.opacity_distance, EVERYWHERE) if modulated else EVERYWHERE),
+        matrix(to_world), f32(1 / largest),
+        f32(25 * surface.gradient_factor**3), f32(surface.threshold),
     )  # fmt: skip
-    why = "at every gradient" if surface.always else f"gradient factor {surface.gradient_factor:g}"
-    if max(surface.specular) == 0:  # type: ignore[arg-type]
-        return result, None, why, "specular reflectance is 0: Lambert"
-    gloss = packed.Gloss(vector(np.array(surface.specular)), f32(surface.exponent))
-    return result, gloss, why, f"Fresnel blend, Blinn exponent {surface.exponent:g}"
+    gloss, why = _gloss(surface, tables)
+    return result, gloss, _why(surface), why
+
+
+def world_from_index_gradient(scene: Scene) -> NDArray[np.float64]:
+    """Map of gradients: inverse transpose of the map of positions."""
+    return np.ascontiguousarray(np.linalg.inv(scene.volume.index_to_world[:3, :3]).T)
+
+
+def _why(surface: Surface) -> str:
+    if surface.mode == "brdf":
+        return "at every gradient"
+    if surface.mode == "threshold":
+        return f"where the gradient is above {surface.threshold:g} of the largest"
+    how = "" if surface.opacity_modulated else ", whatever the opacity"
+    return f"gradient factor {surface.gradient_factor:g}{how}"
+
+
+def _gloss(surface: Surface, tables: Tables) -> tuple[packed.Gloss | None, str]:
+    specular = np.array(surface.specular) if tables.specular is None else tables.specular
+    if specular.max() == 0:
+        return None, "specular reflectance is 0: Lambert"
+    gloss = packed.Gloss(
+        vector(np.array(surface.specular)), f32(surface.exponent), np.bool_(surface.coat == "ggx")
+    )
+    exponent = "by the scalar" if tables.exponent is not None else f"{surface.exponent:g}"
+    name = "GGX" if surface.coat == "ggx" else "Blinn"
+    return gloss, f"Fresnel blend, {name} exponent {exponent}"

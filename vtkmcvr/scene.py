@@ -8,14 +8,19 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from . import checks
-from .camera import Camera, Lens, PixelFilter, Vector
+from .camera import Camera, Lens, PixelFilter, Stereo, Vector
 from .lights import ConstantEnvironment, EnvironmentMap, Light
-from .material import Surface, TransferFunction
+from .material import Surface, TransferFunction, TransferTable
+from .phases import Cone, HenyeyGreenstein, Isotropic, Phase, Rayleigh, Schlick
 from .volume import Volume
 
 __all__ = [
-    "Camera", "Lens", "PixelFilter", "Scene", "Surface", "TransferFunction", "Vector", "Volume",
+    "Camera", "Cone", "HenyeyGreenstein", "Isotropic", "Lens", "PixelFilter", "Rayleigh", "Scene",
+    "Schlick", "Stereo", "Surface", "TransferFunction", "TransferTable", "Vector", "Volume",
 ]  # fmt: skip
+
+ISOTROPIC = Isotropic()
+ESTIMATORS = ("majorant-grid", "woodcock", "ray-march")
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,8 +36,17 @@ class Scene:
         EnvironmentMap.
     surface : Surface, optional
         None: volume scattering only.
-    phase_g : float
-        Mean cosine of the Henyey-Greenstein phase function, -0.9999 to 0.9999; 0: isotropic.
+    phase : Isotropic, HenyeyGreenstein, Schlick, Rayleigh or Cone
+        How the volume spreads light.
+    scattering : {"single", "multiple"}
+        One scattering event between light and camera, as in Exposure Render, or many.
+    max_scatterings : int, optional
+        Most events of "multiple", >= 1. None: no limit; Russian roulette ends paths.
+    estimator : {"majorant-grid", "woodcock", "ray-march"}
+        How collisions are found: by delta tracking over local majorants; over the one global
+        majorant of Exposure Render, with equal results; by equal steps, which is biased.
+    step : float, optional
+        Step of "ray-march" in world units. None: half the smallest voxel edge.
     shadow_reach : float
         Distance from the scattering point within which the medium attenuates light, world units;
         inf: physically right; 0: no shadows.
@@ -46,6 +60,9 @@ class Scene:
     size : (width, height)
         Pixels.
     pixel_filter : PixelFilter
+    sampler : {"sobol", "independent"}
+        How the leading random numbers of a path are drawn: spread evenly over the samples of a
+        pixel, in independent batches, or each on its own. Both are unbiased.
     """
 
     volume: Volume
@@ -53,25 +70,28 @@ class Scene:
     camera: Camera
     lights: tuple[Light, ...] = ()
     surface: Surface | None = None
-    phase_g: float = 0.0
+    phase: Phase = ISOTROPIC
+    scattering: str = "single"
+    max_scatterings: int | None = None
+    estimator: str = "majorant-grid"
+    step: float | None = None
     shadow_reach: float = float("inf")
     environment_visible: bool = False
     ratio_tracking: bool = True
     light_sampling: str = "mis"
     size: tuple[int, int] = (800, 600)
     pixel_filter: PixelFilter = field(default_factory=PixelFilter)
+    sampler: str = "sobol"
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "lights", tuple(self.lights))
         for kind in (ConstantEnvironment, EnvironmentMap):
             if sum(isinstance(light, kind) for light in self.lights) > 1:
                 raise ValueError(f"a scene takes at most one {kind.__name__}")
-        checks.number("phase_g", self.phase_g, least=-0.9999, most=0.9999)
+        _check_transport(self)
         checks.number("shadow_reach", self.shadow_reach, least=0.0, finite=False)
-        if self.light_sampling not in ("mis", "light", "scatter"):
-            raise ValueError(
-                f"light_sampling is one of mis, light, scatter; got {self.light_sampling!r}"
-            )
+        checks.choice("light_sampling", self.light_sampling, ("mis", "light", "scatter"))
+        checks.choice("sampler", self.sampler, ("sobol", "independent"))
         width, height = self.size
         object.__setattr__(
             self,
@@ -80,4 +100,31 @@ class Scene:
                 checks.whole("film width", width, least=1),
                 checks.whole("film height", height, least=1),
             ),
+        )
+
+
+def _check_transport(scene: Scene) -> None:
+    """Phase function, order of scattering and estimator."""
+    if not isinstance(scene.phase, Phase):
+        raise ValueError(
+            "phase is Isotropic(), HenyeyGreenstein(g), Schlick(k), Rayleigh() or Cone(angle); "
+            f"got {scene.phase!r}"
+        )
+    if scene.transfer.g is not None and isinstance(scene.phase, (Rayleigh, Cone)):
+        raise ValueError(
+            "the transfer function gives g, which needs an Isotropic, HenyeyGreenstein or Schlick "
+            f"phase; got {scene.phase}"
+        )
+    checks.choice("scattering", scene.scattering, ("single", "multiple"))
+    checks.choice("estimator", scene.estimator, ESTIMATORS)
+    if scene.step is not None:
+        checks.number("step", scene.step, above=0.0)
+    if scene.max_scatterings is not None:
+        checks.whole("max_scatterings", scene.max_scatterings, least=1)
+        if scene.scattering == "single" and scene.max_scatterings > 1:
+            raise ValueError('max_scatterings above 1 needs scattering="multiple"')
+    if scene.scattering == "multiple" and scene.shadow_reach != float("inf"):
+        raise ValueError(
+            "multiple scattering attenuates light on its whole way: leave shadow_reach at inf, "
+            f"got {scene.shadow_reach:g}"
         )

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .scene import TransferFunction
+from .material import TransferFunction, TransferTable
 from .voxels import Voxels
 
 # Table entries: at least, for float data, at most
@@ -23,11 +23,17 @@ DEEPEST_VOXEL = 64.0
 class Tables:
     """Transfer function sampled over the range of stored values.
 
+    Channels are None where the transfer function does not have them.
+
     Attributes
     ----------
     sigma_t : (n,) float32, 1/world unit
+        Its maximum over the gradient magnitudes, where it depends on them.
     colour : (n, 3) float32
-    opacity : (n,) float32, [0, 1], before the unit distance
+    opacity_distance : float
+        World units over which sigma_t becomes the opacity that the transfer function gives.
+    emission, specular : (n, 3) float32, optional
+    exponent, g : (n,) float32, optional
     per_scalar : float
         Entries per unit of the stored value; 0 for a constant volume.
     capped : bool
@@ -40,7 +46,11 @@ class Tables:
 
     sigma_t: NDArray[np.float32]
     colour: NDArray[np.float32]
-    opacity: NDArray[np.float32]
+    opacity_distance: float
+    emission: NDArray[np.float32] | None
+    specular: NDArray[np.float32] | None
+    exponent: NDArray[np.float32] | None
+    g: NDArray[np.float32] | None
     per_scalar: float
     capped: bool
     pitch: float
@@ -62,33 +72,105 @@ def table_entries(span: float, finest_step: float, integer: bool) -> int:
 def build_tables(transfer: TransferFunction, voxels: Voxels, smallest_spacing: float) -> Tables:
     """Sample the transfer function over the values of a volume."""
     span = voxels.highest - voxels.lowest
-    density = transfer.opacity if transfer.opacity is not None else transfer.extinction
-    assert density is not None
-    finest = min(density.finest_step, transfer.colour.finest_step)
+    finest = finest_step(transfer)
     n = table_entries(span, finest, voxels.integer)
     x = np.linspace(voxels.lowest, voxels.highest, n) + voxels.offset
-    colour = np.ascontiguousarray(transfer.colour(x), np.float32)
-    if transfer.opacity is not None:
-        alpha = np.clip(transfer.opacity(x), 0.0, 1.0)
-        sigma_t = _extinction_of(alpha, transfer.unit_distance, smallest_spacing)
-    else:
-        sigma_t = density(x)
-        alpha = -np.expm1(-sigma_t * smallest_spacing)
-    sigma_t = sigma_t * transfer.density_scale
-    ceiling = DEEPEST_VOXEL / smallest_spacing
+    sigma_t, capped = limited(_densest(transfer, x, smallest_spacing), transfer, smallest_spacing)
+    # A table of scalar and gradient has colours of its own
+    colour = np.zeros((2, 3)) if transfer.colour is None else transfer.colour(x)
     pitch = span / (n - 1)
+    own = smallest_spacing if transfer.extinction is not None else transfer.unit_distance
     return Tables(
-        sigma_t=np.minimum(sigma_t, ceiling).astype(np.float32),
-        colour=colour,
-        opacity=alpha.astype(np.float32),
+        sigma_t=sigma_t,
+        colour=_table(colour),
+        opacity_distance=own / max(transfer.density_scale, 1e-30),
+        emission=_emission(transfer, x),
+        specular=_specular(transfer, x),
+        exponent=None if transfer.exponent is None else _table(transfer.exponent(x)),
+        g=None if transfer.g is None else _table(transfer.g(x)),
         per_scalar=(n - 1) / span if span > 0 else 0.0,
-        capped=bool((sigma_t > ceiling).any()),
+        capped=capped,
         pitch=pitch,
         too_fine=bool(np.isfinite(finest) and finest < 2 * pitch),
     )
 
 
-def _extinction_of(alpha: NDArray, unit_distance: float, smallest_spacing: float) -> NDArray:
+def finest_step(transfer: TransferFunction) -> float:
+    """Smallest distance between the nodes of a transfer function."""
+    curves = (
+        transfer.opacity, transfer.extinction, transfer.colour, transfer.emission,
+        transfer.specular, transfer.refraction_index, transfer.exponent, transfer.g,
+    )  # fmt: skip
+    finest = min((curve.finest_step for curve in curves if curve is not None), default=np.inf)
+    if transfer.table is not None:
+        low, high = transfer.table.scalar_range
+        finest = min(finest, (high - low) / transfer.table.rgba.shape[1])
+    return finest
+
+
+def limited(
+    sigma_t: NDArray, transfer: TransferFunction, smallest_spacing: float
+) -> tuple[NDArray[np.float32], bool]:
+    """Extinction times the density scale, cut off at `DEEPEST_VOXEL`; and whether it was."""
+    sigma_t = sigma_t * transfer.density_scale
+    ceiling = DEEPEST_VOXEL / smallest_spacing
+    return _table(np.minimum(sigma_t, ceiling)), bool((sigma_t > ceiling).any())
+
+
+def _table(values: NDArray) -> NDArray[np.float32]:
+    return np.ascontiguousarray(values, np.float32)
+
+
+def _densest(transfer: TransferFunction, x: NDArray, smallest_spacing: float) -> NDArray:
+    """Extinction of scalars x, the largest over all gradient magnitudes."""
+    if transfer.extinction is not None:
+        return transfer.extinction(x)
+    if transfer.opacity is not None:
+        alpha = np.clip(transfer.opacity(x), 0.0, 1.0)
+        return extinction_of(alpha, transfer.unit_distance, smallest_spacing)
+    assert transfer.table is not None
+    columns = extinction_of(
+        transfer.table.rgba[..., 3].max(axis=0), transfer.unit_distance, smallest_spacing
+    )
+    low, pitch = column_positions(transfer.table)
+    sigma_t = np.interp(x, low + pitch * np.arange(len(columns)), columns)
+    # Columns between two entries of the table must not be missed
+    wide = np.concatenate([sigma_t[:1], sigma_t, sigma_t[-1:]])
+    return np.maximum(np.maximum(wide[:-2], wide[1:-1]), wide[2:])
+
+
+def column_positions(table: TransferTable) -> tuple[float, float]:
+    """Scalar of the first column of a table, and between columns."""
+    low, high = table.scalar_range
+    pitch = (high - low) / table.rgba.shape[1]
+    return low + pitch / 2, pitch
+
+
+def row_positions(table: TransferTable) -> tuple[float, float]:
+    """Gradient magnitude of the first row of a table, and between rows."""
+    low, high = table.gradient_range
+    pitch = (high - low) / table.rgba.shape[0]
+    return low + pitch / 2, pitch
+
+
+def _emission(transfer: TransferFunction, x: NDArray) -> NDArray[np.float32] | None:
+    if transfer.emission is None:
+        return None
+    emission = _table(transfer.emission(x) * transfer.emission_scale)
+    return emission if emission.any() else None
+
+
+def _specular(transfer: TransferFunction, x: NDArray) -> NDArray[np.float32] | None:
+    """Reflectance at normal incidence."""
+    if transfer.specular is not None:
+        return _table(transfer.specular(x))
+    if transfer.refraction_index is None:
+        return None
+    n = transfer.refraction_index(x)
+    return _table(np.repeat((((n - 1) / (n + 1)) ** 2)[:, None], 3, axis=1))
+
+
+def extinction_of(alpha: NDArray, unit_distance: float, smallest_spacing: float) -> NDArray:
     """sigma_t = -log1p(-a) / unit_distance, with a = 1 made finite."""
     opaque = OPAQUE_DEPTH / min(unit_distance, smallest_spacing)
     with np.errstate(divide="ignore"):

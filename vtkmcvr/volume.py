@@ -24,10 +24,14 @@ class Volume:
     index_to_world : array (4, 4), optional
         Affine map from index coordinates (i, j, k) to world: origin, spacing, direction, user
         matrix.
+    colours : array (k, j, i, 3), optional
+        Colour of every point, instead of the transfer function's: linear RGB from 0 to 1, or bytes
+        that stand for 1/255 each. Linear between points.
     """
 
     values: NDArray
     index_to_world: NDArray[np.float64] = field(default_factory=lambda: np.eye(4))
+    colours: NDArray | None = None
 
     def __post_init__(self) -> None:
         values = np.asarray(self.values)
@@ -45,6 +49,8 @@ class Volume:
         object.__setattr__(self, "values", values)
         matrix = checks.affine("volume.index_to_world", self.index_to_world)
         object.__setattr__(self, "index_to_world", matrix)
+        if self.colours is not None:
+            object.__setattr__(self, "colours", _colours(self.colours, values.shape))
 
     @classmethod
     def from_grid(
@@ -76,7 +82,7 @@ class Volume:
         for axis in ("ijk".index(letter) for letter in axes):
             matrix[:3, 3] += matrix[:3, axis] * (self.shape[axis] - 1)
             matrix[:3, axis] *= -1
-        return Volume(self.values, matrix)
+        return Volume(self.values, matrix, self.colours)
 
     @property
     def shape(self) -> tuple[int, int, int]:
@@ -106,3 +112,18 @@ class Volume:
     def radius(self) -> float:
         """Radius of the sphere around the corners, in world units."""
         return float(np.linalg.norm(self.corners - self.centre, axis=1).max())
+
+
+def _colours(colours: NDArray, shape: tuple[int, ...]) -> NDArray:
+    """Colours of a grid of that shape: bytes as they are, else float32 from 0 to 1."""
+    colours = np.asarray(colours)
+    if colours.shape != (*shape, 3):
+        raise ValueError(f"colours have shape {(*shape, 3)}, got {colours.shape}")
+    if colours.dtype == np.uint8:
+        return colours
+    colours = colours.astype(np.float32)
+    if not (colours.min() >= 0 and colours.max() <= 1):
+        raise ValueError(
+            f"colours go from 0 to 1 (or are bytes), got {colours.min():g} to {colours.max():g}"
+        )
+    return colours

@@ -9,7 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from .kernels.gradient_range import fill_gradient_ranges
 from .kernels.majorant import fill_cell_ranges, largest_gradient
+from .pack import matrix
 from .scene import Volume
 
 # Edge of a macrocell in voxels: small cells waste fewer tentative collisions at surfaces, large
@@ -37,6 +39,8 @@ class Voxels:
     cell : int
         Edge of a macrocell, index units.
     cell_lowest, cell_highest : arrays (k, j, i) of macrocells
+    colours : three arrays (k, j, i), optional
+        Red, green and blue of the points, of bytes or float32.
     not_finite : int
         Number of NaN or infinite voxels; they are NaN in `values`, that is transparent.
     """
@@ -49,19 +53,33 @@ class Voxels:
     cell: int
     cell_lowest: NDArray[np.float32]
     cell_highest: NDArray[np.float32]
+    colours: tuple[NDArray, NDArray, NDArray] | None
     not_finite: int
 
     @functools.cached_property
     def _gradients(self) -> dict[bytes, float]:
         return {}
 
+    @functools.cached_property
+    def _gradient_ranges(self) -> dict[bytes, tuple[NDArray, NDArray]]:
+        return {}
+
     def largest_gradient(self, world_from_index_gradient: NDArray) -> float:
         """Largest gradient magnitude over the voxels, scalar per world unit; computed once."""
         key = world_from_index_gradient.tobytes()
         if key not in self._gradients:
-            rows = tuple(tuple(np.float32(x) for x in row) for row in world_from_index_gradient)
+            rows = matrix(world_from_index_gradient)
             self._gradients[key] = float(largest_gradient(self.values, rows))
         return self._gradients[key]
+
+    def gradient_ranges(self, world_from_index_gradient: NDArray) -> tuple[NDArray, NDArray]:
+        """Lowest and highest gradient magnitude in the macrocells; computed once."""
+        key = world_from_index_gradient.tobytes()
+        if key not in self._gradient_ranges:
+            found = np.empty_like(self.cell_lowest), np.empty_like(self.cell_lowest)
+            fill_gradient_ranges(self.values, matrix(world_from_index_gradient), self.cell, *found)
+            self._gradient_ranges[key] = found
+        return self._gradient_ranges[key]
 
 
 _cache: weakref.WeakKeyDictionary[Volume, Voxels] = weakref.WeakKeyDictionary()
@@ -70,11 +88,11 @@ _cache: weakref.WeakKeyDictionary[Volume, Voxels] = weakref.WeakKeyDictionary()
 def voxels_of(volume: Volume) -> Voxels:
     """Voxels of a volume; computed once for each Volume object."""
     if volume not in _cache:
-        _cache[volume] = _prepare(volume.values)
+        _cache[volume] = _prepare(volume.values, volume.colours)
     return _cache[volume]
 
 
-def _prepare(raw: NDArray) -> Voxels:
+def _prepare(raw: NDArray, rgb: NDArray | None) -> Voxels:
     values, offset, not_finite = _kernel_values(raw)
     cell = cell_edge(values.shape)
     lowest, highest = _cell_ranges(values, cell)
@@ -83,7 +101,10 @@ def _prepare(raw: NDArray) -> Voxels:
         finite = values[np.isfinite(values)]
         low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 0.0)
     integer = values.dtype.kind in "iu"
-    return Voxels(values, offset, low, high, integer, cell, lowest, highest, not_finite)
+    colours = None
+    if rgb is not None:
+        colours = tuple(rgb[..., channel].copy() for channel in range(3))
+    return Voxels(values, offset, low, high, integer, cell, lowest, highest, colours, not_finite)
 
 
 def cell_edge(shape: tuple[int, ...]) -> int:

@@ -11,15 +11,26 @@ import numpy as np
 from vtkmodules.vtkRenderingCore import vtkVolumeProperty
 from vtkmodules.vtkRenderingVolume import vtkVolumeMapper
 
+from .curves import Curve
+from .phases import MOST_FORWARD, HenyeyGreenstein, Isotropic, Phase
 from .scene import Surface, TransferFunction
-from .vtk_transfer import colour_curve, grey_curve, opacity_curve
+from .vtk_transfer import colour_curve, grey_curve, opacity_curve, transfer_table
 
 RGB_CHANNELS = 3
 COMPOSITE = 0
 
 
-def transfer_of(volume_property: vtkVolumeProperty, component: int = 0) -> TransferFunction:
-    """Transfer function of a property: scalar opacity, colour and unit distance.
+def transfer_of(
+    volume_property: vtkVolumeProperty,
+    component: int = 0,
+    scalar_range: tuple[float, float] | None = None,
+) -> TransferFunction:
+    """Transfer function of a property: scalar opacity, colour, unit distance, gradient opacity.
+
+    The weight of the component scales its density. Gradient opacity is a factor on the extinction;
+    as in VTK it is a function of the scalar's change over the mean spacing of the voxels. A 2-D
+    function spans `scalar_range` and gradient magnitudes from 0 to a quarter of that range, as in
+    VTK; unlike there its opacities are per unit distance, so that no sample distance matters.
 
     A function that was never set is VTK's default, which VTK creates when asked: the property's
     modification time then goes up once.
@@ -29,13 +40,22 @@ def transfer_of(volume_property: vtkVolumeProperty, component: int = 0) -> Trans
     volume_property : vtkVolumeProperty
     component : int
         Which of the property's components.
+    scalar_range : (low, high), optional
+        Of the volume; needed for a 2-D function.
 
     Raises
     ------
     ValueError
         Where the property has what is not supported yet, or a function has no nodes.
     """
-    _refuse_unsupported(volume_property, component)
+    _refuse_unsupported(volume_property)
+    common = {
+        "unit_distance": volume_property.GetScalarOpacityUnitDistance(component),
+        "density_scale": volume_property.GetComponentWeight(component),
+    }
+    if volume_property.GetTransferFunctionMode() == vtkVolumeProperty.TF_2D:
+        function = volume_property.GetTransferFunction2D(component)
+        return TransferFunction(table=transfer_table(function, scalar_range), **common)
     # Asking for the other kind of colour would switch the property to it
     if volume_property.GetColorChannels(component) == RGB_CHANNELS:
         colour = colour_curve(volume_property.GetRGBTransferFunction(component))
@@ -44,7 +64,8 @@ def transfer_of(volume_property: vtkVolumeProperty, component: int = 0) -> Trans
     return TransferFunction(
         opacity_curve(volume_property.GetScalarOpacity(component)),
         colour,
-        unit_distance=volume_property.GetScalarOpacityUnitDistance(component),
+        gradient_opacity=_gradient_opacity(volume_property, component),
+        **common,
     )
 
 
@@ -79,9 +100,13 @@ def surface_of(
     return Surface(gradient_factor, specular=specular, exponent=exponent)
 
 
-def phase_of(volume_property: vtkVolumeProperty) -> float:
-    """Mean cosine of the phase function: the property's scattering anisotropy."""
-    return float(volume_property.GetScatteringAnisotropy())
+def phase_of(volume_property: vtkVolumeProperty) -> Phase:
+    """Phase function of Henyey and Greenstein with the property's scattering anisotropy.
+
+    VTK allows -1 and 1, where nothing scatters sideways; the nearest number allowed is taken.
+    """
+    g = float(volume_property.GetScatteringAnisotropy())
+    return HenyeyGreenstein(float(np.clip(g, -MOST_FORWARD, MOST_FORWARD))) if g else Isotropic()
 
 
 def refuse_mapper_features(mapper: vtkVolumeMapper) -> None:
@@ -108,33 +133,25 @@ def refuse_mapper_features(mapper: vtkVolumeMapper) -> None:
     _refuse(mapper.GetClassName(), features)
 
 
-def _refuse_unsupported(volume_property: vtkVolumeProperty, component: int) -> None:
-    features = {
-        "a 2-D transfer function": (
-            volume_property.GetTransferFunctionMode() == vtkVolumeProperty.TF_2D,
-            "call SetTransferFunctionModeTo1D()",
-        ),
-        "gradient opacity": (
-            _has_gradient_opacity(volume_property, component), "call DisableGradientOpacityOn()"
-        ),
+def _refuse_unsupported(volume_property: vtkVolumeProperty) -> None:
+    features: dict[str, tuple[object, str]] = {
         "a label map": (volume_property.GetNumberOfLabels() > 0, "remove the labels' functions"),
     }  # fmt: skip
     _refuse("the volume property", features)
 
 
-def _has_gradient_opacity(volume_property: vtkVolumeProperty, component: int) -> bool:
-    """Whether a stored gradient opacity changes anything; VTK's default is 1 everywhere."""
+def _gradient_opacity(volume_property: vtkVolumeProperty, component: int) -> Curve | None:
+    """Stored gradient opacity, where it is not disabled and not VTK's default, 1 everywhere."""
     if volume_property.GetDisableGradientOpacity(component):
-        return False
+        return None
     if not volume_property.HasGradientOpacity(component):
-        return False
+        return None
     function = volume_property.GetStoredGradientOpacity(component)
-    node = np.empty(4)
-    for index in range(function.GetSize()):
-        function.GetNodeValue(index, node)
-        if node[1] != 1.0:
-            return True
-    return not function.GetClamping()
+    if not function.GetSize():
+        return None
+    curve = opacity_curve(function)
+    flat = curve.clamp and all(node[1] == 1.0 for node in curve.nodes)
+    return None if flat else curve
 
 
 def _refuse(owner: str, features: Mapping[str, tuple[object, str]]) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from .vtk_camera import camera_of, default_camera, vtk_camera_of
+from .vtk_components import Look, looks_of
 from .vtk_image import array_of_image, image_of_arrays, image_of_picture
 from .vtk_lights import default_headlight, light_of, lights_of
 from .vtk_matrix import matrix_of
@@ -10,6 +11,7 @@ from .vtk_property import phase_of, refuse_mapper_features, surface_of, transfer
 from .vtk_volume import VolumeCache, volume_of
 
 __all__ = [
+    "Look",
     "VolumeCache",
     "array_of_image",
     "camera_of",
@@ -19,6 +21,7 @@ __all__ = [
     "image_of_picture",
     "light_of",
     "lights_of",
+    "looks_of",
     "matrix_of",
     "phase_of",
     "refuse_mapper_features",

@@ -7,14 +7,18 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from vtkmodules.vtkCommonDataModel import vtkPiecewiseFunction
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction
 from vtkmodules.vtkRenderingCore import vtkColorTransferFunction
 
 from .curves import STEP_ABOVE, ColourCurve, Curve
+from .material import TransferTable
 
 # Samples of a function that nodes alone do not describe: in all, and at least between two nodes
 SAMPLES, FEWEST = 4096, 16
 SHARPNESS = -1
+# Largest gradient magnitude of a 2-D function over the range of the scalars
+GRADIENT_SHARE = 0.25
 RGB, LOGARITHMIC = 0, 1
 
 
@@ -82,6 +86,30 @@ def grey_curve(function: vtkPiecewiseFunction) -> ColourCurve:
     # An unclamped piecewise function has ended at its last node, a colour function just after it
     end = (table[-1, 0], 0.0, 0.0, 0.0, 0.5, 0.0)
     return ColourCurve((*_tuples(table), end), clamp=False)
+
+
+def transfer_table(
+    image: vtkImageData | None, scalar_range: tuple[float, float] | None
+) -> TransferTable:
+    """Table of scalar and gradient magnitude of a property's 2-D function.
+
+    Raises
+    ------
+    ValueError
+        Where there is no function, it is not RGBA, or the volume's range is not given.
+    """
+    if image is None or image.GetNumberOfScalarComponents() != 4:
+        raise ValueError(
+            "a 2-D transfer function is a vtkImageData with four components; call "
+            "SetTransferFunction2D(image)"
+        )
+    if scalar_range is None:
+        raise ValueError("a 2-D transfer function spans the scalars of a volume: give scalar_range")
+    columns, rows, _ = image.GetDimensions()
+    rgba = vtk_to_numpy(image.GetPointData().GetScalars()).reshape(rows, columns, 4)
+    low, high = scalar_range
+    width = high - low if high > low else 1.0
+    return TransferTable(np.clip(rgba, 0.0, 1.0), (low, low + width), (0.0, GRADIENT_SHARE * width))
 
 
 def _nodes(function: Any, width: int) -> NDArray[np.float64]:

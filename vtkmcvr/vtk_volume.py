@@ -16,6 +16,7 @@ from vtkmodules.vtkCommonDataModel import (
 )
 from vtkmodules.vtkCommonMath import vtkMatrix4x4
 
+from .curves import ColourCurve
 from .scene import Volume
 from .vtk_matrix import matrix_of
 
@@ -27,6 +28,9 @@ def volume_of(
     *,
     scalars: str | None = None,
     user_matrix: vtkMatrix4x4 | ArrayLike | None = None,
+    component: int | None = None,
+    dependent: bool = False,
+    colour: ColourCurve | None = None,
 ) -> Volume:
     """Volume of an image, with its full index-to-world map: extent, origin, spacing, direction.
 
@@ -37,11 +41,19 @@ def volume_of(
     Parameters
     ----------
     image : vtkImageData
-        Three-dimensional, one component. Values of cells stand at the centres of the cells.
+        Three-dimensional. Values of cells stand at the centres of the cells.
     scalars : str, optional
         Name of the array, of points before cells. Default: the active scalars, or the only array.
     user_matrix : vtkMatrix4x4 or array (4, 4), optional
         Applied after the image's own map, as vtkProp3D::SetUserMatrix.
+    component : int, optional
+        Which of several components; needed where there are several that are not dependent.
+    dependent : bool
+        Several components make one value, as VTK has them where IndependentComponents is off: the
+        last is the scalar; the first three of four are its colour (bytes, or linear RGB from 0 to
+        1), the first of two has its colour by `colour`.
+    colour : ColourCurve, optional
+        Of the first of two dependent components; looked up at the points, linear between them.
 
     Returns
     -------
@@ -59,7 +71,16 @@ def volume_of(
     matrix = _index_to_world(image, 0.5 if on_cells else 0.0)
     if user_matrix is not None:
         matrix = matrix_of(user_matrix) @ matrix
-    return Volume(_grid(image, array, on_cells), matrix)
+    grid = _grid(image, array, on_cells)
+    if dependent and grid.shape[3] > 1:
+        return Volume(grid[..., -1], matrix, _dependent_colours(grid, colour))
+    return Volume(_one_component(grid, array, component), matrix)
+
+
+def components_of(image: vtkImageData, scalars: str | None = None) -> int:
+    """Number of components of the array that `volume_of` takes."""
+    check_image(image)
+    return int(_choose(image, scalars)[0].GetNumberOfComponents())
 
 
 class VolumeCache:
@@ -67,18 +88,29 @@ class VolumeCache:
 
     def __init__(self) -> None:
         self._key: tuple[Any, ...] | None = None
-        self._volume: Volume | None = None
+        self._volumes: dict[tuple[Any, ...], Volume] = {}
 
-    def volume(self, image: vtkImageData, scalars: str | None = None) -> Volume:
+    def volume(
+        self,
+        image: vtkImageData,
+        scalars: str | None = None,
+        component: int | None = None,
+        dependent: bool = False,
+        colour: ColourCurve | None = None,
+    ) -> Volume:
         """Volume of the image, as `volume_of`; the last one where nothing has changed."""
         check_image(image)
         key = (image, image.GetMTime(), image.GetUpdateTime(), scalars)
-        if self._volume is None or key != self._key:
-            # First let go of the old one: two volumes may not fit into memory
-            self._key = self._volume = None
-            self._volume = volume_of(image, scalars=scalars)
+        if key != self._key:
+            # First let go of the old ones: two volumes may not fit into memory
+            self._volumes.clear()
             self._key = key
-        return self._volume
+        part = (component, dependent, colour)
+        if part not in self._volumes:
+            self._volumes[part] = volume_of(
+                image, scalars=scalars, component=component, dependent=dependent, colour=colour
+            )
+        return self._volumes[part]
 
 
 def check_image(image: object) -> None:
@@ -125,19 +157,39 @@ def _names(attributes: vtkFieldData) -> list[str]:
 
 
 def _grid(image: vtkImageData, array: vtkDataArray, on_cells: bool) -> NDArray:
-    """Values as [k, j, i]."""
-    components = array.GetNumberOfComponents()
-    if components != 1:
-        raise ValueError(
-            f"{array.GetName()!r} has {components} components, a volume has one: pick one with "
-            "vtkImageExtractComponents, or reduce them with vtkImageMagnitude or vtkImageLuminance"
-        )
+    """Values as [k, j, i, component]."""
     i, j, k = (max(1, n - 1) if on_cells else n for n in image.GetDimensions())
     if array.GetNumberOfTuples() != i * j * k:
         raise ValueError(
             f"{array.GetName()!r} has {array.GetNumberOfTuples()} values for {i} x {j} x {k} places"
         )
-    return vtk_to_numpy(array).reshape(k, j, i)
+    return vtk_to_numpy(array).reshape(k, j, i, -1)
+
+
+def _one_component(grid: NDArray, array: vtkDataArray, component: int | None) -> NDArray:
+    count = grid.shape[3]
+    if component is None and count == 1:
+        component = 0
+    if component is None or not 0 <= component < count:
+        asked = "" if component is None else f", there is no {component}"
+        raise ValueError(
+            f"{array.GetName()!r} has {count} components, a volume has one{asked}: pick one "
+            "(`component`, or vtkImageExtractComponents), take the last as scalar and the others "
+            "as colour (`dependent`), or reduce them with vtkImageMagnitude or vtkImageLuminance"
+        )
+    return grid[..., component]
+
+
+def _dependent_colours(grid: NDArray, colour: ColourCurve | None) -> NDArray:
+    count = grid.shape[3]
+    if count == 4:
+        return grid[..., :3]
+    if count != 2 or colour is None:
+        raise ValueError(
+            "dependent components are four (red, green, blue, scalar), or two (colour by a colour "
+            f"function, scalar); got {count}" + (" without a function" if count == 2 else "")
+        )
+    return colour(grid[..., 0])
 
 
 def _index_to_world(image: vtkImageData, shift: float) -> NDArray[np.float64]:

@@ -13,7 +13,7 @@ from vtkmodules.vtkRenderingCore import vtkCamera, vtkLight, vtkVolumeProperty
 from vtkmcvr.filters import MonteCarloFilter, ToneMapFilter
 from vtkmcvr.lights import ConstantEnvironment, DirectionalLight, EnvironmentMap
 from vtkmcvr.rendering import render_scene
-from vtkmcvr.scene import Camera, Lens, PixelFilter, Scene, Volume
+from vtkmcvr.scene import Camera, HenyeyGreenstein, Lens, PixelFilter, Scene, Volume
 from vtkmcvr.vtk_scene import array_of_image
 
 
@@ -179,7 +179,7 @@ def test_lens_surface_phase_and_camera_reach_the_scene():
     volume_property.SetScatteringAnisotropy(-0.5)
     scene = scene_of(volume_property=volume_property, gradient_factor=0.3, lens=Lens(2.0))
     assert scene.surface.gradient_factor == 0.3
-    assert scene.phase_g == -0.5
+    assert scene.phase == HenyeyGreenstein(-0.5)
     assert scene.camera.lens == Lens(2.0)
     assert scene.size == (40, 20)
     own = Camera((0, 0, 9), (0, 0, 0), view_up=(0, 1, 0))

@@ -9,7 +9,15 @@ from scenes import WHITE, frontal, scene, volume
 
 from vtkmcvr import packed
 from vtkmcvr.curves import Curve
-from vtkmcvr.kernels.brdf import brdf_pdf, brdf_value, surface_event, surface_probability
+from vtkmcvr.kernels.brdf import (
+    ALWAYS,
+    HYBRID,
+    THRESHOLD,
+    brdf_pdf,
+    brdf_value,
+    surface_event,
+    surface_probability,
+)
 from vtkmcvr.kernels.jit import entry_point
 from vtkmcvr.kernels.rng import start
 from vtkmcvr.plan import plan
@@ -31,11 +39,11 @@ def values_and_densities(gloss, diffuse, n, wo, wi):
 
 
 @entry_point
-def surface_share(surface, medium, transfer, p, scalar, wo, n):
+def surface_share(surface, medium, p, sigma_t, wo, n):
     count = 0
     normal = (np.float32(0), np.float32(0), np.float32(0))
     for i in range(n):
-        yes, m, _ = surface_event(surface, medium, transfer, p, scalar, wo, start(5, i, 0))
+        yes, m, _ = surface_event(surface, medium, p, sigma_t, wo, start(5, i, 0))
         if yes:
             count += 1
             normal = m
@@ -49,8 +57,10 @@ def direction(theta, phi=0.0):
     return tuple(f32(x) for x in v)
 
 
-def gloss(specular, exponent):
-    return packed.Gloss(tuple(f32(x) for x in np.broadcast_to(specular, 3)), f32(exponent))
+def gloss(specular, exponent, ggx=False):
+    return packed.Gloss(
+        tuple(f32(x) for x in np.broadcast_to(specular, 3)), f32(exponent), np.bool_(ggx)
+    )
 
 
 def colour(value):
@@ -182,6 +192,14 @@ def test_nothing_is_reflected_below_the_surface():
 # Hybrid scattering
 
 
+def packed_surface(mode, g=0.5, threshold=0.5):
+    """Surface of a volume whose largest gradient magnitude is 40."""
+    rows = (UP, UP, UP)
+    return packed.Surface(
+        np.int32(mode), f32(1e30), rows, f32(1 / 40), f32(25 * g**3), f32(threshold)
+    )
+
+
 @pytest.mark.parametrize(
     ("g", "m", "expected"),
     [(0.25, 1, 0.32), (0.5, 0.1, 0.268), (0.5, 0.5, 0.790), (0.5, 1, 0.956), (0.75, 0.1, 0.652),
@@ -189,12 +207,20 @@ def test_nothing_is_reflected_below_the_surface():
 )  # fmt: skip
 @pytest.mark.parametrize("alpha", [1.0, 0.3])
 def test_probability_of_a_surface(g, m, expected, alpha):
-    table = np.ones(2, f32)
-    rows = (UP, UP, UP)
-    surface = packed.Surface(table, rows, f32(1 / 40), f32(25 * g**3), np.bool_(False))
+    surface = packed_surface(HYBRID, g)
     found = compiled(surface_probability)(surface, f32(alpha), f32(40 * m))
     assert found == pytest.approx(alpha * expected, abs=4e-3 * alpha)
     assert found == pytest.approx(alpha * -math.expm1(-25 * g**3 * m), rel=1e-5)
+
+
+@pytest.mark.parametrize("alpha", [1.0, 0.3])
+@pytest.mark.parametrize("m", [1e-6, 0.49, 0.51, 1.0])
+def test_probability_of_a_surface_in_other_modes(m, alpha):
+    probability = compiled(surface_probability)
+    always = probability(packed_surface(ALWAYS), f32(alpha), f32(40 * m))
+    above = probability(packed_surface(THRESHOLD), f32(alpha), f32(40 * m))
+    assert always == pytest.approx(alpha)
+    assert above == pytest.approx(alpha if m > 0.5 else 0.0)
 
 
 def two_slopes():
@@ -212,8 +238,8 @@ def test_surfaces_happen_with_their_probability(x, m, g):
     wo = direction(30, 180)
     n = 50_000
     place = (f32(x), f32(2.2), f32(1.7))
-    scalar = f32(5.0)
-    count, normal = surface_share(parts.surface, parts.medium, parts.transfer, place, scalar, wo, n)
+    sigma_t = f32(-math.log1p(-0.6))
+    count, normal = surface_share(parts.surface, parts.medium, place, sigma_t, wo, n)
     p = 0.6 * -math.expm1(-25 * g**3 * m)
     # 4.5 binomial standard errors: 4 x 6.8e-6
     assert abs(count - n * p) < 4.5 * math.sqrt(n * p * (1 - p))
@@ -226,14 +252,13 @@ def test_no_surface_without_a_gradient():
     values[:, :, :8] = 0
     parts = plan(
         scene(
-            volume(values), TransferFunction(Curve([(0, 0.6)]), WHITE), surface=Surface(always=True)
+            volume(values), TransferFunction(Curve([(0, 0.6)]), WHITE), surface=Surface(mode="brdf")
         )
     ).packed
     for place, some in [((3, 2, 2), False), ((12, 2, 2), True)]:
         count, normal = surface_share(
             parts.surface,
             parts.medium,
-            parts.transfer,
             tuple(f32(c) for c in place),
             f32(1),
             UP,

@@ -20,7 +20,9 @@ from vtkmcvr.kernels.phase import phase_value, sample_phase
 from vtkmcvr.kernels.rng import exponential, start, uniform
 from vtkmcvr.kernels.warp import concentric_disk, cosine_hemisphere, uniform_sphere
 from vtkmcvr.lights import EnvironmentMap, RectangleLight
+from vtkmcvr.phases import Cone, Rayleigh, Schlick
 from vtkmcvr.plan_lights import pack_lights
+from vtkmcvr.plan_phase import pack_phase
 
 f32 = np.float32
 TESTS = 200
@@ -288,17 +290,33 @@ def test_cosine_hemisphere_is_proportional_to_the_cosine(warps):
 
 # Phase functions
 
-PHASES = [None, *(packed.Phase(f32(g)) for g in (-0.9, -0.5, 1e-4, 0.5, 0.9))]
+
+def henyey_greenstein(g):
+    return packed.Phase(np.int32(0), f32(g))
+
+
+def other_phase(phase):
+    return pack_phase(phase, False)[0]
+
+
+# With the mean cosine between the directions of propagation
+PHASES = [
+    (None, 0.0),
+    *((henyey_greenstein(g), float(f32(g))) for g in (-0.9, -0.5, 1e-4, 0.5, 0.9)),
+    # (1 - (1 - k^2) ln((1 + k) / (1 - k)) / 2 k) / k
+    (other_phase(Schlick(0.5)), 2 * (1 - 0.75 * math.log(3))),
+    (other_phase(Schlick(-0.9)), (1 - 0.19 * math.log(19) / 1.8) / -0.9),
+    (other_phase(Rayleigh()), 0.0),
+    (other_phase(Cone(180)), 0.0),
+]
 
 
 @pytest.mark.parametrize("wo", [vector(0, 0, 1), vector(0, 0, -1), vector(1, -2, 0.5)])
-@pytest.mark.parametrize("phase", PHASES)
-def test_phase_function(phase, wo):
+@pytest.mark.parametrize(("phase", "g"), PHASES)
+def test_phase_function(phase, g, wo):
     directions = draw_phase(phase, wo, SEED, N)
     check(directions, lambda d: phase_density(phase, wo, d))
-    # The mean cosine between the directions of propagation is g, by definition; that cosine's
-    # standard deviation is at most sqrt(1 - g^2)
-    g = 0.0 if phase is None else float(phase.g)
+    # The standard deviation of a cosine of mean g is at most sqrt(1 - g^2)
     mean = -(directions.astype(np.float64) @ np.array(wo, np.float64)).mean()
     assert abs(mean - g) < 5 * math.sqrt((1 - g * g) / N)
 
@@ -314,7 +332,7 @@ def test_phase_function_is_that_of_henyey_and_greenstein(g):
     apart = np.sum((d.astype(np.float64) + np.array((0, 0, math.copysign(1, g)))) ** 2, axis=1)
     square = (1 - abs(g32)) ** 2 + abs(g32) * apart
     expected = (1 - g32 * g32) / (4 * math.pi * square**1.5)
-    error = np.abs(phase_density(packed.Phase(f32(g)), wo, d) / expected - 1)
+    error = np.abs(phase_density(henyey_greenstein(g), wo, d) / expected - 1)
     assert error.max() < 0.01
     assert error[square > 0.1].max() < 1e-3
 
@@ -324,10 +342,30 @@ def test_narrow_phase_function_keeps_its_distribution(g):
     # With x = 1 - |cos| to the peak and s^2 = (1 - |g|)^2 + 2 |g| x, the distribution function is
     # (1 - g^2) / (2 |g|) (1 / (1 - |g|) - 1 / s)
     wo, h = vector(0.3, -0.5, 0.8), abs(g)
-    wi = draw_phase(packed.Phase(f32(g)), wo, SEED, 20_000).astype(np.float64)
+    wi = draw_phase(henyey_greenstein(g), wo, SEED, 20_000).astype(np.float64)
     x = np.sum((wi + math.copysign(1, g) * np.array(wo, np.float64)) ** 2, axis=1) / 2
     cdf = (1 - h * h) / (2 * h) * (1 / (1 - h) - 1 / np.sqrt((1 - h) ** 2 + 2 * h * x))
     assert stats.kstest(cdf, stats.uniform.cdf).pvalue > 1e-3 / TESTS
+
+
+@pytest.mark.parametrize("wo", [vector(0, 0, 1), vector(1, -2, 0.5)])
+@pytest.mark.parametrize("degrees", [0.01, 1.0, 60.0, 90.0, 180.0])
+def test_cone_is_evenly_filled(wo, degrees):
+    # In a cone the cosine is uniform; |wo - wi|^2 / 2 = 1 - cos keeps that visible at any width
+    cone = other_phase(Cone(degrees))
+    wi = draw_phase(cone, wo, SEED, N)
+    x = np.sum((wi.astype(np.float64) - np.array(wo, np.float64)) ** 2, axis=1) / 2
+    width = 2 * math.sin(math.radians(degrees) / 2) ** 2
+    # float32 unit vectors place the rays of a cone of 0.01 degrees to 1e-3 of its radius
+    if degrees > 0.1:
+        assert stats.kstest(x / width, stats.uniform.cdf).pvalue > 1e-3 / TESTS
+    assert abs((x / width).mean() - 0.5) < 5 / math.sqrt(12 * N)
+    values = phase_density(cone, wo, wi)
+    assert (values > 0).mean() > 0.999
+    assert values.max() == pytest.approx(1 / (2 * math.pi * width), rel=1e-6)
+    outside = vector(*(-np.array(wo, np.float64)))
+    if degrees < 180:
+        assert phase_density(cone, wo, np.array([outside], f32))[0] == 0
 
 
 # Surfaces
@@ -341,11 +379,12 @@ def test_lambert(wo):
     check(draw_brdf(None, n, wo, SEED, N), lambda d: brdf_density(None, n, wo, d))
 
 
+@pytest.mark.parametrize("ggx", [np.bool_(False), np.bool_(True)], ids=["blinn", "ggx"])
 @pytest.mark.parametrize("exponent", [0.0, 1.0, 30.0, 1000.0])
 @pytest.mark.parametrize("wo", VIEWS)
-def test_fresnel_blend(wo, exponent):
+def test_fresnel_blend(wo, exponent, ggx):
     n = vector(0, 0, 1)
-    gloss = packed.Gloss((f32(0.04),) * 3, f32(exponent))
+    gloss = packed.Gloss((f32(0.04),) * 3, f32(exponent), ggx)
     bins = {"cosines": 20, "angles": 48, "finer": 28}
     check(draw_brdf(gloss, n, wo, SEED, N), lambda d: brdf_density(gloss, n, wo, d), **bins)
 
@@ -353,7 +392,7 @@ def test_fresnel_blend(wo, exponent):
 def test_fresnel_blend_around_a_tilted_normal():
     n = vector(-0.3, 0.5, -0.8)
     wo = vector(-0.6, 0.4, -0.5)
-    gloss = packed.Gloss((f32(0.5),) * 3, f32(10))
+    gloss = packed.Gloss((f32(0.5),) * 3, f32(10), np.bool_(False))
     check(draw_brdf(gloss, n, wo, SEED, N), lambda d: brdf_density(gloss, n, wo, d), finer=28)
 
 

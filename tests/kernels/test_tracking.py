@@ -32,7 +32,9 @@ RATIO = packed.RatioTracking(f32(0.05))
 def draw_transmittance(medium, transfer, shadows, ratio, o, d, length, n):
     out = np.empty(n, np.float32)
     for i in range(n):
-        out[i], _ = transmittance(medium, transfer, shadows, ratio, o, d, length, start(3, i, 0))
+        out[i], _ = transmittance(
+            shadows, None, medium, transfer, ratio, o, d, length, start(3, i, 0)
+        )
     return out
 
 
@@ -40,7 +42,9 @@ def draw_transmittance(medium, transfer, shadows, ratio, o, d, length, n):
 def draw_collision(medium, transfer, o, d, length, n):
     out = np.empty((n, 2), np.float32)
     for i in range(n):
-        out[i, 0], out[i, 1], _ = sample_collision(medium, transfer, o, d, length, start(4, i, 0))
+        out[i, 0], out[i, 1], _, _ = sample_collision(
+            None, medium, transfer, o, d, length, start(4, i, 0)
+        )
     return out
 
 

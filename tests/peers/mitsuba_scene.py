@@ -26,7 +26,15 @@ from vtkmcvr.lights import (
     PointLight,
     RectangleLight,
 )
-from vtkmcvr.scene import Camera, Lens, PixelFilter, Scene, TransferFunction, Volume
+from vtkmcvr.scene import (
+    Camera,
+    HenyeyGreenstein,
+    Lens,
+    PixelFilter,
+    Scene,
+    TransferFunction,
+    Volume,
+)
 
 Spec = dict[str, Any]
 
@@ -57,7 +65,7 @@ def load_scene(path: str | os.PathLike[str], *, ratio_tracking: bool = True) -> 
         _transfer(sigma_t, spec["albedo"]),
         _camera(spec["camera"]),
         lights=tuple(_light(item, path) for item in spec["lights"]),
-        phase_g=spec["phase"]["g"],
+        phase=HenyeyGreenstein(spec["phase"]["g"]),
         environment_visible=True,
         ratio_tracking=ratio_tracking,
         size=tuple(spec["size"]),

@@ -18,12 +18,12 @@ from vtkmcvr.lights import (
     PointLight,
     RectangleLight,
 )
-from vtkmcvr.scene import Surface
+from vtkmcvr.scene import HenyeyGreenstein, Surface
 
 # Off the world's origin, so that a forgotten centre shows (HC-36)
 CENTRE = (12.0, -7.0, 3.0)
 BLOB = blob(centre=CENTRE)
-SURFACE = Surface(always=True, specular=0.3, exponent=40.0)
+SURFACE = Surface(mode="brdf", specular=0.3, exponent=40.0)
 
 
 def near(x, y, z):
@@ -159,7 +159,7 @@ def test_rectangle_shines_with_its_form_factor():
     light = RectangleLight((0, 0, h), (0, 0, 0), (2 * a, 2 * a))
     for kind in ("light", "scatter", "mis"):
         picture = lit(
-            light, vol=nearly_even, phase_g=0.002, camera=frontal(0.009),
+            light, vol=nearly_even, phase=HenyeyGreenstein(0.002), camera=frontal(0.009),
             transfer=medium(50.0), light_sampling=kind, shadow_reach=1e-9, samples=256,
         )  # fmt: skip
         mean, error = mean_and_error(picture)
@@ -177,7 +177,7 @@ def test_directional_light_on_a_plane():
     vol = volume(values, (0.25,) * 3)
     light = DirectionalLight((math.sin(math.pi / 3), math.cos(math.pi / 3), 0), 2.0)
     picture = lit(
-        light, vol=vol, surface=Surface(always=True, specular=1e-6, exponent=1.0),
+        light, vol=vol, surface=Surface(mode="brdf", specular=1e-6, exponent=1.0),
         shadow_reach=1e-9, transfer=medium(200.0, 0.6), camera=frontal(0.9), samples=16,
     )  # fmt: skip
     # The blend's body under a coat that is nearly black

@@ -12,7 +12,7 @@ from scenes import WHITE, frontal, mean_and_error, medium, noise, render, scene,
 
 from vtkmcvr.curves import Curve
 from vtkmcvr.lights import ConstantEnvironment
-from vtkmcvr.scene import Camera, Surface, TransferFunction
+from vtkmcvr.scene import Camera, Cone, HenyeyGreenstein, Surface, TransferFunction
 
 UNIT = (ConstantEnvironment(1.0),)
 
@@ -83,7 +83,8 @@ def test_unshadowed_white_furnace_returns_alpha(g):
     # Albedo 1, unit light from everywhere, no shadows: each colliding path carries exactly 1, but
     # for float32 rounding of value / density
     picture = render(
-        scene(noise(), medium(2.0), lights=UNIT, phase_g=g, shadow_reach=0), samples=16
+        scene(noise(), medium(2.0), lights=UNIT, phase=HenyeyGreenstein(g), shadow_reach=0),
+        samples=16,
     )
     assert 0.3 < picture.alpha.mean() < 1
     assert np.abs(picture.radiance - picture.alpha[..., None]).max() < 1e-5
@@ -94,7 +95,7 @@ def test_unshadowed_lambert_surface_reflects_its_colour():
     picture = render(
         scene(
             noise(), medium(50.0, colour), lights=UNIT, shadow_reach=0,
-            surface=Surface(always=True, specular=0.0),
+            surface=Surface(mode="brdf", specular=0.0),
         ),
         samples=16,
     )  # fmt: skip
@@ -140,3 +141,21 @@ def test_volume_is_seen_from_inside():
     camera = Camera((0, 0, 0), (0, 1, 0), parallel_scale=0.9)
     picture = render(scene(slab((2, 2, 2)), medium(1.0), camera), samples=64)
     assert abs(alpha_score(picture, -math.expm1(-1.0))) < 4.5
+
+
+# Directional occlusion: single scattering out of a cone around the viewer
+
+
+@pytest.mark.parametrize(("degrees", "expected"), [(30, 0.4825), (50, 0.4492), (80, 0.3550)])
+def test_half_space_under_a_cone_of_light(degrees, expected):
+    # L = 1 - ln(2 / (1 + c)) / (1 - c) with c the cosine of the half angle
+    c = math.cos(math.radians(degrees))
+    assert 1 - math.log(2 / (1 + c)) / (1 - c) == pytest.approx(expected, abs=1e-4)
+    half_space = slab((400, 40, 400), points=3)
+    view = frontal(0.5, (0, -20, 0))
+    picture = render(
+        scene(half_space, medium(1.0), view, lights=UNIT, phase=Cone(degrees)), samples=128
+    )
+    mean, error = mean_and_error(picture)
+    assert error < 0.002
+    assert abs(mean - (1 - math.log(2 / (1 + c)) / (1 - c))) < 4.5 * error

@@ -9,10 +9,9 @@ import math
 
 import numpy as np
 
-from .grid import gradient
+from .grid import INFINITE, gradient
 from .jit import device
-from .rng import uniform
-from .transfer import opacity
+from .rng import stratified, stratified_pair
 from .vec import BLACK, add, dot, from_basis, orthonormal_basis, scale, sub
 from .warp import INVERSE_PI, TWO_PI, cosine_hemisphere
 
@@ -21,38 +20,50 @@ ZERO, HALF, ONE, TWO, FOUR = f32(0.0), f32(0.5), f32(1.0), f32(2.0), f32(4.0)
 FIVE, TEN = f32(5.0), f32(10.0)
 BLEND = f32(28.0 / (23.0 * math.pi))
 INVERSE_2PI = f32(0.5 / math.pi)
+HYBRID, ALWAYS, THRESHOLD = 0, 1, 2
 NO_NORMAL = (ZERO, ZERO, ZERO)
 
 
 @device
-def surface_probability(surface, alpha, magnitude):
-    """P_brdf = alpha (1 - exp(-25 g^3 |grad tau_n|)), Exposure Render Eq. 1 corrected."""
-    return alpha * -math.expm1(-surface.exponent_scale * min(magnitude * surface.per_gradient, ONE))
+def surface_opacity(surface, sigma_t):
+    """Alpha of Eq. 1: opacity over the transfer function's unit distance, or 1 for everywhere."""
+    return -math.expm1(-sigma_t * surface.opacity_distance)
 
 
 @device
-def surface_event(surface, medium, transfer, p, scalar, wo, rng):
+def surface_probability(surface, alpha, magnitude):
+    """P_brdf = alpha (1 - exp(-25 g^3 |grad tau_n|)), Exposure Render Eq. 1 corrected.
+
+    Other modes: alpha at every gradient; alpha where the normalised gradient passes a threshold.
+    """
+    normalised = min(magnitude * surface.per_gradient, ONE)
+    if surface.mode == HYBRID:
+        return alpha * -math.expm1(-surface.exponent_scale * normalised)
+    if surface.mode == THRESHOLD and not normalised > surface.threshold:
+        return ZERO
+    return alpha
+
+
+@device
+def surface_event(surface, medium, p, sigma_t, wo, rng):
     """Decide whether the collision at index position p scatters by the BRDF.
 
     Returns (True or False, normal, rng); the normal is on the side of wo. No gradient is fetched
-    where the bound P_brdf <= alpha (1 - exp(-25 g^3)) already says no (HC-20); none exists without
+    where a bound, P_brdf <= alpha (1 - exp(-25 g^3)), already says no (HC-20); none exists without
     `surface`.
     """
     if surface is None:
         return False, NO_NORMAL, rng
-    xi = ZERO
-    alpha = ONE
-    if not surface.always:
-        rng, xi = uniform(rng)
-        alpha = opacity(transfer, surface.opacity, scalar)
-        if xi >= -alpha * math.expm1(-surface.exponent_scale):
-            return False, NO_NORMAL, rng
+    rng, xi = stratified(rng)
+    alpha = surface_opacity(surface, sigma_t)
+    if xi >= surface_probability(surface, alpha, INFINITE):
+        return False, NO_NORMAL, rng
     g = gradient(medium.values, surface.world_from_index_gradient, p)
     magnitude = math.sqrt(dot(g, g))
     # Without a gradient there is no normal: the phase function takes over (HC-17); also for NaN
     if not magnitude > ZERO:
         return False, NO_NORMAL, rng
-    if not surface.always and xi >= surface_probability(surface, alpha, magnitude):
+    if xi >= surface_probability(surface, alpha, magnitude):
         return False, NO_NORMAL, rng
     toward = -ONE if dot(g, wo) < ZERO else ONE
     return True, scale(g, toward / magnitude), rng
@@ -63,6 +74,38 @@ def blinn(gloss, n, h):
     """(n.h)^e, accurate next to 1 where large exponents live."""
     apart = sub(n, h)
     return math.exp(gloss.exponent * math.log1p(-min(HALF * dot(apart, apart), ONE)))
+
+
+@device
+def microfacets(gloss, n, h):
+    """Distribution D(h) of microfacet normals, and the density with which `sample_brdf` draws h.
+
+    Blinn's (n.h)^e with the paper's (e + 2) / 2 pi, or that of Trowbridge and Reitz (GGX) with
+    alpha^2 = 2 / (e + 2), which has the same curvature at its peak and longer tails.
+    """
+    if not gloss.ggx:
+        lobe = INVERSE_2PI * blinn(gloss, n, h)
+        return (gloss.exponent + TWO) * lobe, (gloss.exponent + ONE) * lobe
+    apart = sub(n, h)
+    q = dot(apart, apart)
+    cosine = ONE - HALF * q
+    if cosine <= ZERO:
+        return ZERO, ZERO
+    alpha_2 = TWO / (gloss.exponent + TWO)
+    r = alpha_2 * cosine * cosine + q * (ONE - f32(0.25) * q)
+    d = INVERSE_PI * alpha_2 / (r * r)
+    return d, d * cosine
+
+
+@device
+def sample_microfacet(gloss, u):
+    """Cosine of the angle between normal and half vector, and its sine."""
+    if not gloss.ggx:
+        cosine = (ONE - u) ** (ONE / (gloss.exponent + ONE))
+        return cosine, math.sqrt(max(ZERO, ONE - cosine * cosine))
+    alpha_2 = TWO / (gloss.exponent + TWO)
+    whole = ONE - u + alpha_2 * u
+    return math.sqrt((ONE - u) / whole), math.sqrt(alpha_2 * u / whole)
 
 
 @device
@@ -111,7 +154,7 @@ def brdf_value(gloss, diffuse, n, wo, wi):
     f = scale(under, body)
     h, cos_h = half_vector(wo, wi)
     if cos_h > ZERO:
-        d = (gloss.exponent + TWO) * INVERSE_2PI * blinn(gloss, n, h)
+        d, _ = microfacets(gloss, n, h)
         f = add(f, scale(schlick(rs, cos_h), d / (FOUR * cos_h * max(cos_i, cos_o))))
     return scale(f, cos_i)
 
@@ -127,8 +170,21 @@ def brdf_pdf(gloss, n, wo, wi):
     h, cos_h = half_vector(wo, wi)
     if cos_h <= ZERO:
         return HALF * cos_i * INVERSE_PI
-    lobe = (gloss.exponent + ONE) * INVERSE_2PI * blinn(gloss, n, h) / (FOUR * cos_h)
-    return HALF * (cos_i * INVERSE_PI + lobe)
+    _, pdf_h = microfacets(gloss, n, h)
+    return HALF * (cos_i * INVERSE_PI + pdf_h / (FOUR * cos_h))
+
+
+@device
+def brdf_weight(gloss, diffuse, n, wo, wi):
+    """`brdf_value` over `brdf_pdf` for a direction drawn by `sample_brdf`."""
+    if gloss is None:
+        if dot(n, wi) <= ZERO:
+            return BLACK
+        return diffuse
+    pdf = brdf_pdf(gloss, n, wo, wi)
+    if not pdf > ZERO:
+        return BLACK
+    return scale(brdf_value(gloss, diffuse, n, wo, wi), ONE / pdf)
 
 
 @device
@@ -138,15 +194,13 @@ def sample_brdf(gloss, n, wo, rng):
     Returns (wi, rng).
     """
     s, t = orthonormal_basis(n)
-    rng, u = uniform(rng)
-    rng, v = uniform(rng)
+    rng, u, v = stratified_pair(rng)
     if gloss is None:
         return from_basis(s, t, n, cosine_hemisphere(u, v)), rng
-    rng, lobe = uniform(rng)
+    rng, lobe = stratified(rng)
     if lobe < HALF:
         return from_basis(s, t, n, cosine_hemisphere(u, v)), rng
-    cosine = (ONE - u) ** (ONE / (gloss.exponent + ONE))
-    sine = math.sqrt(max(ZERO, ONE - cosine * cosine))
+    cosine, sine = sample_microfacet(gloss, u)
     phi = TWO_PI * v
     h = from_basis(s, t, n, (sine * math.cos(phi), sine * math.sin(phi), cosine))
     return sub(scale(h, TWO * dot(wo, h)), wo), rng

@@ -5,12 +5,14 @@ for estimating attenuation in participating media", TOG 33(6), 2014. Majorant gr
 al. 2011.
 """
 
+import math
+
 import numpy as np
 
-from .grid import INFINITE, trilinear
+from .grid import INFINITE
 from .jit import device
-from .rng import exponential, uniform
-from .transfer import extinction
+from .rng import exponential, stratified_exponential, uniform
+from .transfer import classify
 from .vec import at
 
 f32, i32, index = np.float32, np.int32, np.uintp
@@ -47,10 +49,10 @@ def leap(o, d, t, per_cell, n, cell, step, crossing, between):
 def walk(medium, transfer, o, d, length, ratio, rng):
     """Walk from o along d over `length` world units.
 
-    Without `ratio` (None): delta tracking. Returns (t, scalar, 0, rng): the distance of the first
-    real collision with the scalar found there, or ESCAPED. With `ratio`: ratio tracking. Returns
-    (ESCAPED, 0, T, rng): an unbiased estimate of the transmittance, ended by Russian roulette once
-    T is below `ratio.roulette`.
+    Without `ratio` (None): delta tracking. Returns (t, scalar, sigma_t, 0, rng): the distance of
+    the first real collision with the scalar and the extinction found there, or ESCAPED and T = 1.
+    With `ratio`: ratio tracking. Returns (ESCAPED, 0, 0, T, rng): an unbiased estimate of the
+    transmittance, ended by Russian roulette once T is below `ratio.roulette`.
 
     o is in index coordinates, d in index coordinates per world unit, so t is in world units. An
     empty cell holds minus the radius, in cells, of the empty cube around it, which the ray crosses
@@ -72,14 +74,14 @@ def walk(medium, transfer, o, d, length, ratio, rng):
 
     t = ZERO
     T = ONE
-    rng, tau = exponential(rng)
+    rng, tau = stratified_exponential(rng)
     while True:
         sigma_maj = majorant[index(cz), index(cy), index(cx)]
         # Empty cube: leap to its end
         if sigma_maj <= -ONE:
             t = min(min(tx - sigma_maj * dx, ty - sigma_maj * dy), tz - sigma_maj * dz)
             if t >= length:
-                return ESCAPED, ZERO, T, rng
+                return ESCAPED, ZERO, ZERO, T, rng
             cx, tx = leap(o[0], d[0], t, per_cell, nx, cx, sx, tx, dx)
             cy, ty = leap(o[1], d[1], t, per_cell, ny, cy, sy, ty, dy)
             cz, tz = leap(o[2], d[2], t, per_cell, nz, cz, sz, tz, dz)
@@ -92,62 +94,97 @@ def walk(medium, transfer, o, d, length, ratio, rng):
                 tau -= reach
                 break
             t += tau / sigma_maj
-            scalar = trilinear(medium.values, at(o, d, t))
-            sigma_t = extinction(transfer, scalar)
+            scalar, sigma_t = classify(
+                transfer.gradient_opacity, transfer.table_2d, medium, transfer, at(o, d, t)
+            )
             if ratio is None:
                 rng, u = uniform(rng)
                 if u * sigma_maj < sigma_t:
-                    return t, scalar, ZERO, rng
+                    return t, scalar, sigma_t, ZERO, rng
             else:
                 T *= ONE - sigma_t / sigma_maj
                 if T < ratio.roulette:
                     rng, u = uniform(rng)
                     if u * ratio.roulette >= T:
-                        return ESCAPED, ZERO, ZERO, rng
+                        return ESCAPED, ZERO, ZERO, ZERO, rng
                     T = ratio.roulette
             rng, tau = exponential(rng)
         # Next cell
         t = leave
         if leave >= length:
-            return ESCAPED, ZERO, T, rng
+            return ESCAPED, ZERO, ZERO, T, rng
         if tx <= ty and tx <= tz:
-            cx = i32(cx + sx)
+            cx += sx
             tx += dx
             if cx < 0 or cx >= nx:
-                return ESCAPED, ZERO, T, rng
+                return ESCAPED, ZERO, ZERO, T, rng
         elif ty <= tz:
-            cy = i32(cy + sy)
+            cy += sy
             ty += dy
             if cy < 0 or cy >= ny:
-                return ESCAPED, ZERO, T, rng
+                return ESCAPED, ZERO, ZERO, T, rng
         else:
-            cz = i32(cz + sz)
+            cz += sz
             tz += dz
             if cz < 0 or cz >= nz:
-                return ESCAPED, ZERO, T, rng
+                return ESCAPED, ZERO, ZERO, T, rng
 
 
 @device
-def sample_collision(medium, transfer, o, d, length, rng):
-    """Distance of the first collision, distributed as sigma_t(t) T(t). Returns (t, scalar, rng).
+def march(marching, medium, transfer, o, d, length, ratio, rng):
+    """As `walk`, in steps of equal length, extinction constant in each; biased.
 
-    t is ESCAPED (negative) when the ray leaves without one.
+    The first step is cut off at random, so that errors are noise instead of bands.
     """
-    t, scalar, _, rng = walk(medium, transfer, o, d, length, None, rng)
-    return t, scalar, rng
+    step = marching.step
+    rng, u = uniform(rng)
+    rng, tau = exponential(rng)
+    depth = ZERO
+    steps = i32(length / step) + i32(2)
+    for i in range(steps):
+        start = (f32(i) - u) * step
+        near, far = max(start, ZERO), min(start + step, length)
+        if far > near:
+            scalar, sigma_t = classify(
+                transfer.gradient_opacity, transfer.table_2d, medium, transfer,
+                at(o, d, f32(0.5) * (near + far)),
+            )  # fmt: skip
+            depth += sigma_t * (far - near)
+            if ratio is None:
+                if depth > tau:
+                    return far - (depth - tau) / sigma_t, scalar, sigma_t, ZERO, rng
+    if ratio is None:
+        return ESCAPED, ZERO, ZERO, ONE, rng
+    return ESCAPED, ZERO, ZERO, math.exp(-depth), rng
 
 
 @device
-def transmittance(medium, transfer, shadows, ratio, o, d, length, rng):
-    """Unbiased estimate of the transmittance over `length` from o along d. Returns (T, rng).
+def sample_collision(marching, medium, transfer, o, d, length, rng):
+    """Distance of the first collision, distributed as sigma_t(t) T(t).
+
+    Returns (t, scalar, sigma_t, rng); t is ESCAPED (negative) when the ray leaves without one.
+    """
+    if marching is None:
+        t, scalar, sigma_t, _, rng = walk(medium, transfer, o, d, length, None, rng)
+    else:
+        t, scalar, sigma_t, _, rng = march(marching, medium, transfer, o, d, length, None, rng)
+    return t, scalar, sigma_t, rng
+
+
+@device
+def transmittance(shadows, marching, medium, transfer, ratio, o, d, length, rng):
+    """Estimate of the transmittance over `length` from o along d, unbiased but when marching.
 
     `shadows` None: light is not attenuated, T = 1 at no cost. `ratio` None: binary estimate by
-    delta tracking, as Exposure Render does; otherwise ratio tracking.
+    delta tracking, as Exposure Render does; otherwise ratio tracking. Returns (T, rng).
     """
     if shadows is None:
         return ONE, rng
     length = min(length, shadows.reach)
     if length <= ZERO:
         return ONE, rng
-    _, _, T, rng = walk(medium, transfer, o, d, length, ratio, rng)
+    if marching is None:
+        _, _, _, T, rng = walk(medium, transfer, o, d, length, ratio, rng)
+    else:
+        _, _, _, T, rng = march(marching, medium, transfer, o, d, length, ratio, rng)
     return T, rng

@@ -1,0 +1,126 @@
+"""Direct light at a scattering point, drawn by a light and by the scattering function, with MIS."""
+
+import numpy as np
+
+from .environment import ambient_radiance, environment_pdf, environment_radiance
+from .grid import box_interval
+from .jit import device, glue
+from .lights import (
+    light_chance,
+    nearest_rectangle,
+    rectangle_pdf,
+    rectangle_radiance,
+    sample_light,
+)
+from .scatter import sample_scatter, scatter_pdf, scatter_value, scatter_weight
+from .tracking import transmittance
+from .vec import BLACK, add, largest, mul, scale, transform, wide
+
+f32 = np.float32
+ZERO, ONE = f32(0.0), f32(1.0)
+
+
+@device
+def power_heuristic(p, q):
+    """MIS weight of a sample drawn with density p where q could have drawn it too (Veach 1997).
+
+    Written so that nothing overflows: 1 / (1 + (q/p)^2); 0 for p = 0 (HC-33).
+    """
+    if p <= ZERO:
+        return ZERO
+    ratio = q / p
+    return ONE / (ONE + ratio * ratio)
+
+
+@glue
+def visibility(scene, p, wi, distance, rng):
+    """Transmittance from index position p along wi over `distance`. Returns (T, rng)."""
+    medium = scene.medium
+    d = transform(medium.index_from_world, wi)
+    _, leave = box_interval(wide(p), wide(d), medium.active_lo, medium.active_hi)
+    length = min(f32(leave), distance)
+    return transmittance(
+        scene.shadows, scene.marching, medium, scene.transfer, scene.ratio, p, d, length, rng
+    )
+
+
+@device
+def light_by_light(choice, scene, v, rng):
+    """Direct light at vertex v, direction drawn by a light. Returns (L, rng)."""
+    if choice is None:
+        return BLACK, rng
+    if not choice.by_light:
+        return BLACK, rng
+    light, rng = sample_light(
+        choice, scene.rectangles, scene.delta_lights, scene.environment, v.x, v.on_surface,
+        v.normal, rng,
+    )  # fmt: skip
+    if largest(light.radiance) <= ZERO:
+        return BLACK, rng
+    f = mul(scatter_value(v, light.wi), light.radiance)
+    if largest(f) <= ZERO:
+        return BLACK, rng
+    blocker, blocked_at = nearest_rectangle(scene.rectangles, v.x, light.wi, False)
+    if blocker != light.rectangle and blocked_at < light.distance:
+        return BLACK, rng
+    T, rng = visibility(scene, v.p, light.wi, light.distance, rng)
+    if choice.by_scatter and light.pdf > ZERO:
+        T *= power_heuristic(light.pdf, scatter_pdf(v, light.wi))
+    return scale(f, T), rng
+
+
+@glue
+def light_met(scene, choice, v, wi):
+    """Weighted radiance that a ray along wi, drawn at v, would meet; and the distance."""
+    index, distance = nearest_rectangle(scene.rectangles, v.x, wi, False)
+    if index >= 0:
+        L = rectangle_radiance(scene.rectangles, index, wi)
+        chance = light_chance(choice, index, v.x, v.on_surface, v.normal)
+        other = rectangle_pdf(scene.rectangles, chance, index, wi, distance)
+        return weighted(choice, L, v, wi, other), distance
+    L = environment_radiance(scene.environment, wi)
+    other = map_pdf(choice, scene.environment, v, wi)
+    return add(ambient_radiance(scene.ambient), weighted(choice, L, v, wi, other)), distance
+
+
+@device
+def map_pdf(choice, environment, v, wi):
+    """Density with which light sampling draws wi from the environment map, selection included."""
+    if choice is None or environment is None:
+        return ZERO
+    chance = light_chance(choice, choice.environment, v.x, v.on_surface, v.normal)
+    return chance * environment_pdf(environment, wi)
+
+
+@device
+def weighted(choice, L, v, wi, other):
+    """L with its MIS weight: 1 without light sampling, 0 without scatter sampling."""
+    if choice is None:
+        return L
+    if not choice.by_scatter:
+        return BLACK
+    if not choice.by_light:
+        return L
+    return scale(L, power_heuristic(scatter_pdf(v, wi), other))
+
+
+@device
+def light_by_scatter(ambient, environment, rectangles, scene, v, rng):
+    """Direct light at vertex v, direction drawn by the scattering function. Returns (L, rng).
+
+    Where every light is a delta light no such ray exists (no draw, no lookup).
+    """
+    if ambient is None:
+        if environment is None:
+            if rectangles is None:
+                return BLACK, rng
+    wi, rng = sample_scatter(v, rng)
+    f = scatter_weight(v, wi)
+    if largest(f) <= ZERO:
+        return BLACK, rng
+    L, distance = light_met(scene, scene.choice, v, wi)
+    f = mul(f, L)
+    if largest(f) <= ZERO:
+        return BLACK, rng
+    T, rng = visibility(scene, v.p, wi, distance, rng)
+    return scale(f, T), rng

@@ -1,0 +1,95 @@
+"""A scattering point of a path: what scatters there, by surface or by volume."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..packed import Gloss, Phase
+from .brdf import brdf_pdf, brdf_value, brdf_weight, sample_brdf, surface_event
+from .jit import device, glue
+from .phase import phase_value, sample_phase
+from .transfer import colour, emitted, number_channel, rgb_channel
+from .vec import scale
+
+f32 = np.float32
+
+
+class Vertex(NamedTuple):
+    """Scattering point of a path."""
+
+    x: tuple  # position relative to the volume's centre
+    p: tuple  # index position
+    wo: tuple  # unit direction back along the path
+    on_surface: bool  # scatters by the BRDF instead of the phase function
+    normal: tuple  # of a surface, on the side of wo
+    albedo: tuple  # of the volume, diffuse colour of a surface
+    emitted: tuple  # radiance that the collision adds
+    gloss: Gloss | None
+    phase: Phase | None
+
+
+@device
+def gloss_at(gloss, transfer, specular, exponent, scalar):
+    """Coat at a scalar."""
+    if gloss is None:
+        return None
+    return Gloss(
+        rgb_channel(specular, transfer, scalar, gloss.specular),
+        number_channel(exponent, transfer, scalar, gloss.exponent),
+        gloss.ggx,
+    )
+
+
+@device
+def phase_at(phase, transfer, shape, scalar):
+    """Phase function at a scalar."""
+    if phase is None:
+        return None
+    return Phase(phase.kind, number_channel(shape, transfer, scalar, phase.shape))
+
+
+@glue
+def vertex_at(scene, x, p, wo, scalar, sigma_t, rng):
+    """Vertex of a collision. Returns (vertex, rng)."""
+    medium, transfer = scene.medium, scene.transfer
+    albedo = colour(transfer.colour_grid, transfer.table_2d, medium, transfer, p, scalar)
+    on_surface, normal, rng = surface_event(scene.surface, medium, p, sigma_t, wo, rng)
+    gloss = gloss_at(scene.gloss, transfer, transfer.specular, transfer.exponent, scalar)
+    phase = phase_at(scene.phase, transfer, transfer.phase, scalar)
+    glow = emitted(transfer.emission, transfer, scalar, albedo)
+    return Vertex(x, p, wo, on_surface, normal, albedo, glow, gloss, phase), rng
+
+
+@device
+def scatter_value(v, wi):
+    """Scattering function times cosine (surface) or phase function times albedo (volume)."""
+    if v.on_surface:
+        return brdf_value(v.gloss, v.albedo, v.normal, v.wo, wi)
+    return scale(v.albedo, phase_value(v.phase, v.wo, wi))
+
+
+@device
+def scatter_pdf(v, wi):
+    """Density of `sample_scatter`."""
+    if v.on_surface:
+        return brdf_pdf(v.gloss, v.normal, v.wo, wi)
+    return phase_value(v.phase, v.wo, wi)
+
+
+@device
+def sample_scatter(v, rng):
+    """Direction drawn by the scattering function. Returns (wi, rng)."""
+    if v.on_surface:
+        return sample_brdf(v.gloss, v.normal, v.wo, rng)
+    return sample_phase(v.phase, v.wo, rng)
+
+
+@device
+def scatter_weight(v, wi):
+    """`scatter_value` over `scatter_pdf` of a direction that `sample_scatter` drew.
+
+    A phase function is sampled exactly: the albedo, without rounding.
+    """
+    if v.on_surface:
+        return brdf_weight(v.gloss, v.albedo, v.normal, v.wo, wi)
+    return v.albedo
