@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .film import variance_of_mean
+from .film_error import variance
 from .packed import Film
 
 # Two-sided 95 % of the normal distribution
@@ -28,7 +28,7 @@ class ImageError:
     Attributes
     ----------
     nrms : float
-        Estimate; inf where it is unknown.
+        Estimate; inf where it is unknown, 0 for a picture that is black so far.
     low, high : float
         Ends of a 95 % confidence interval of the NRMS that such a picture has on average. It is
         conservative: wide where a few pixels carry most of the noise, because the next such pixel
@@ -52,11 +52,11 @@ def image_error(film: Film) -> ImageError:
     The mean square of the estimate exceeds that of the truth by the noise, which is taken off.
     """
     bright = bool((film.mean != 0).any())
-    v = variance_of_mean(film)
+    v = variance(film)
     if not np.isfinite(v).all():
         return ImageError(math.inf, 0.0, math.inf, 0.0, bright)
     if not bright:
-        return ImageError(math.inf, 0.0, math.inf, 0.0, bright)
+        return ImageError(0.0, 0.0, math.inf, 0.0, bright)
     noise, noise_spread = _mean_and_spread(v.sum(-1))
     power, power_spread = _power(film.mean, v)
     return ImageError(
@@ -96,6 +96,6 @@ def _ratio(noise: float, power: float) -> float:
     return math.sqrt(noise / power)
 
 
-def samples_for(error: ImageError, samples: int, target: float) -> float:
-    """Samples per pixel at which the NRMS reaches `target`: variance falls as 1 / samples."""
-    return samples * (error.nrms / target) ** 2
+def samples_for(nrms: float, samples: float, target: float) -> float:
+    """Samples per pixel that reach `target`, given the NRMS of some: variance falls as 1 / n."""
+    return samples * (nrms / target) ** 2

@@ -103,13 +103,13 @@ def estimate(
     count = float(film.count.mean())
     memory = sum(array.nbytes for array in _arrays((planned.packed, film)))
     pilot = {"samples": int(count), "seconds": spent, "nrms": _finite(error.nrms)}
-    if not math.isfinite(error.nrms):
+    if not error.bright or not math.isfinite(error.nrms):
         return Estimate(nrms, None, None, None, None, memory, threads, pilot)
     samples, low, high = (
-        max(1, math.ceil(count * (e / nrms) ** 2)) if math.isfinite(e) else None
+        max(1, math.ceil(samples_for(e, count, nrms))) if math.isfinite(e) else None
         for e in (error.nrms, error.low, error.high)
     )
-    seconds = samples_for(error, count, nrms) * spent / count
+    seconds = samples_for(error.nrms, count, nrms) * spent / count
     return Estimate(nrms, samples, low, high, seconds, memory, threads, pilot)
 
 
