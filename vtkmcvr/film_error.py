@@ -14,9 +14,9 @@ from . import packed
 
 Plane = NDArray[np.float64]
 
-# Neighbourhood over which variances are pooled: 5 x 5 pixels. On CT heads and engines 95 % intervals
-# of 8 samples cover the truth in 67 to 75 % of the pixels without it, in 90 to 95 % with 3 x 3 and
-# in 94 to 95 % with 5 x 5
+# Neighbourhood over which variances are pooled: 5 x 5 pixels. On a CT head and an engine, 95 %
+# intervals of 8 samples cover the truth in 67 and 75 % of the pixels without it, in 90 and 95 %
+# with 3 x 3, in 94 and 95 % with 5 x 5
 RADIUS = 2
 
 

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 from typing import Any
 
-from .inputs import read_input
+from .inputs import demo_volume, flipped, read_input, scene_options
 from .options import add_scene_options
 from .terminal import Bar, Interrupt, say_to
 
@@ -36,3 +35,26 @@ def _duration(text: str) -> float:
     if not 0 < value < float("inf"):
         raise argparse.ArgumentTypeError(f"a time is written like 90s, 5m or 1h; got {text!r}")
     return value
+
+
+def _cost(args: argparse.Namespace) -> int:
+    from ..costs.study import study
+    from ..front import scene_of
+
+    say = say_to(args)
+    data = demo_volume() if args.input == "demo" else read_input(args.input, args.series)
+    data = flipped(data, args.flip)
+    scene = scene_of(data, **scene_options(data, args)).scene
+    stop = Interrupt()
+    with stop, Bar(args.quiet, "measuring") as bar:
+        found = study(
+            scene, args.budget, folder=args.output, threads=args.threads, abort=stop.is_set,
+            progress=lambda done, of, name: bar.show(done / of, name),
+        )  # fmt: skip
+    written = [found.write(args.output)]
+    if not args.no_figures:
+        written += found.draw(args.output)
+    say(str(found))
+    for path in written:
+        say(f"written: {path}")
+    return 0

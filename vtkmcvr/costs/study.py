@@ -17,6 +17,7 @@ import numpy as np
 from .. import __version__, checks, schedule
 from ..plan import Plan, plan
 from ..scene import Scene
+from ..safe_files import replacing
 from ..serialise import to_plain
 from . import summary
 from .ladder import Reference, climb, make_reference, plain
@@ -26,6 +27,8 @@ from .variants import Variant, base_variant, variants
 # Shares of the time: the reference, the scene as it is, all variants together
 REFERENCE_SHARE, BASE_SHARE = 0.35, 0.15
 LEAST_SECONDS = 0.2
+
+TABLES = "cost.md"
 
 Report = Callable[[int, int, str], object]
 
@@ -50,6 +53,21 @@ class Study:
 
     def __str__(self) -> str:
         return summary.markdown(self.results)
+
+    def write(self, folder: str | os.PathLike) -> Path:
+        """Write the tables as `cost.md`; `cost.json` is there if the study had this folder."""
+        target = Path(folder)
+        target.mkdir(parents=True, exist_ok=True)
+        save_results(target, self.results)
+        with replacing(target / TABLES, ".md") as temporary:
+            temporary.write_text(f"{self}\n", encoding="utf-8")
+        return target / TABLES
+
+    def draw(self, folder: str | os.PathLike) -> list[Path]:
+        """Write the figures; needs matplotlib."""
+        from .figures import draw
+
+        return draw(self.results, Path(folder))
 
 
 def study(
@@ -170,8 +188,9 @@ class _Worker:
         return reference
 
     def _measure(self, variant: Variant, reference: Reference) -> None:
-        others = max(len(self.all) - 1, 1)
-        share = BASE_SHARE if variant is self.all[0] else (1 - REFERENCE_SHARE - BASE_SHARE) / others
+        share = BASE_SHARE
+        if variant is not self.all[0]:
+            share = (1 - REFERENCE_SHARE - BASE_SHARE) / (len(self.all) - 1)
         points = climb(
             plan(variant.scene), reference, max(share * self.budget, LEAST_SECONDS), self.threads,
             finish=variant.finish,
@@ -186,10 +205,10 @@ class _Worker:
 
 def machine() -> dict[str, Any]:
     """What the figures were measured on: processor and number of CPUs, no name of the host."""
-    name = platform.processor()
-    try:
-        with open("/proc/cpuinfo", encoding="utf-8") as file:
-            name = next((x.split(":", 1)[1].strip() for x in file if x.startswith("model name")), name)
-    except OSError:
-        pass
-    return {"processor": name or platform.machine(), "cpus": schedule.default_threads()}
+    name = platform.processor() or platform.machine()
+    linux = Path("/proc/cpuinfo")
+    if linux.exists():
+        lines = linux.read_text(encoding="utf-8").splitlines()
+        names = [x.partition(":")[2].strip() for x in lines if x.startswith("model name")]
+        name = names[0] if names else name
+    return {"processor": name, "cpus": schedule.default_threads()}

@@ -14,6 +14,8 @@ from ..phases import Isotropic
 from ..picture import Picture
 from ..scene import Scene
 
+SKIES = (ConstantEnvironment, EnvironmentMap)
+
 # Against the scene as it is: equal in the mean; a bias of the method; another model of light
 SAME, BIAS, MODEL = "same mean", "bias", "model"
 
@@ -82,11 +84,11 @@ def _effects_off(scene: Scene) -> Iterator[Variant]:
         yield without("isotropic phase", phase=Isotropic())
     if scene.camera.lens is not None and scene.camera.lens.radius > 0:
         yield without("no depth of field", camera=replace(scene.camera, lens=None))
-    skies = [x for x in scene.lights if isinstance(x, ConstantEnvironment | EnvironmentMap)]
-    others = tuple(x for x in scene.lights if not isinstance(x, ConstantEnvironment | EnvironmentMap))
+    skies = tuple(light for light in scene.lights if isinstance(light, SKIES))
+    others = tuple(light for light in scene.lights if not isinstance(light, SKIES))
     if skies and others:
         yield without("no environment", lights=others)
-        yield without("environment alone", lights=tuple(skies))
+        yield without("environment alone", lights=skies)
 
 
 def _denoisers(scene: Scene) -> Iterator[Variant]:
