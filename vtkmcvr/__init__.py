@@ -26,7 +26,13 @@ _HOME = {
     "Scene": "scene",
     "Volume": "scene",
     "TransferFunction": "scene",
+    "TransferTable": "scene",
     "Surface": "scene",
+    "Isotropic": "scene",
+    "HenyeyGreenstein": "scene",
+    "Schlick": "scene",
+    "Rayleigh": "scene",
+    "Cone": "scene",
     "Camera": "scene",
     "Lens": "scene",
     "PixelFilter": "scene",
@@ -58,7 +64,21 @@ if TYPE_CHECKING:
     from .picture import Display, Picture
     from .readers import read
     from .rendering import render_scene
-    from .scene import Camera, Lens, PixelFilter, Scene, Surface, TransferFunction, Volume
+    from .scene import (
+        Camera,
+        Cone,
+        HenyeyGreenstein,
+        Isotropic,
+        Lens,
+        PixelFilter,
+        Rayleigh,
+        Scene,
+        Schlick,
+        Surface,
+        TransferFunction,
+        TransferTable,
+        Volume,
+    )
     from .studio import view_camera
 
 
