@@ -78,6 +78,14 @@ class SceneFilter(ImageFilter):
         0.5, lambda v: checks.number("gradient_factor", v, least=0.0, most=1.0),
         "How much of the volume is surfaces where the property has shading on, [0, 1].",
     )  # fmt: skip
+    scattering = Parameter(
+        "single", lambda v: checks.choice("scattering", v, ("single", "multiple")),
+        '"single": one scattering event between light and camera; "multiple": many.',
+    )  # fmt: skip
+    max_scatterings = Parameter(
+        None, optional(lambda v: checks.whole("max_scatterings", v, least=1)),
+        'Most events of "multiple", >= 1. None: no limit.',
+    )  # fmt: skip
     pixel_filter = Parameter(
         PixelFilter(), one_of("pixel_filter", PixelFilter), "Reconstruction filter of the film."
     )
@@ -122,6 +130,8 @@ class SceneFilter(ImageFilter):
             self._scene_lights(camera),
             look.surface,
             phase_of(self.volume_property),
+            scattering=self.scattering,
+            max_scatterings=self.max_scatterings if self.scattering == "multiple" else None,
             size=self.film_size,
             pixel_filter=self.pixel_filter,
         )

@@ -42,8 +42,14 @@ def estimated(light, lobe, seed, **options):
     return render(lit, samples=24, seed=seed)
 
 
-@pytest.mark.parametrize("lobe", LOBES)
-@pytest.mark.parametrize("light", LIGHTS)
+def pairs():
+    """Every light with every lobe; each light and each lobe once in the quick tests."""
+    for i, light in enumerate(LIGHTS):
+        for j, lobe in enumerate(LOBES):
+            yield pytest.param(light, lobe, marks=() if j == i % len(LOBES) else pytest.mark.slow)
+
+
+@pytest.mark.parametrize(("light", "lobe"), pairs())
 def test_three_estimators_agree(light, lobe):
     grid = estimated(light, lobe, 1)
     assert mean_and_error(grid)[0] > 0.005

@@ -59,6 +59,7 @@ def test_white_furnace_with_lambert_surfaces_is_white(mode):
     assert np.abs(picture.radiance - 1).max() < 1e-3
 
 
+@pytest.mark.slow
 def test_coat_never_makes_a_furnace_brighter():
     # The Fresnel blend loses light at every bounce, up to half of it at grazing angles
     surface = Surface(0.8, specular=0.3, exponent=20.0)
@@ -67,6 +68,7 @@ def test_coat_never_makes_a_furnace_brighter():
     assert 0.2 < mean < 1 - 4.5 * error
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sampling", ["mis", "light", "scatter"])
 def test_white_furnace_lit_by_a_map_is_white_on_average(sampling):
     # Light sampling makes it a statistical question. Four standard errors: 6e-5 for each
@@ -120,6 +122,7 @@ def test_half_space_under_an_even_sky(albedo, mu):
     assert abs(mean - (1 - math.sqrt(1 - albedo) * h_function(albedo, mu))) < 4 * error
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("albedo", "mu"), CASES[:2])
 def test_half_space_that_glows(albedo, mu):
     vol, camera = looking_down(mu)

@@ -55,6 +55,7 @@ def test_channel_of_one_value_is_that_value(channels, constants):
     assert np.mean(np.isclose(a.radiance, b.radiance, rtol=1e-3, atol=1e-5)) > 0.995
 
 
+@pytest.mark.slow
 def test_channels_follow_the_scalar():
     # Two halves side by side, each like a volume of one value with that material
     left, right = np.zeros((9, 9, 40), np.float32), np.zeros((9, 9, 40), np.float32)
