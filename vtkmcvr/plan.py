@@ -73,7 +73,7 @@ def plan(scene: Scene) -> Plan:
     medium = pack_medium(scene, voxels, tables, transfer)
     lens, lens_why = pack_lens(scene.camera)
     surface, gloss, surface_why, gloss_why = pack_surface(scene, voxels, tables)
-    phase, phase_effect = pack_phase(scene.phase, transfer.phase is not None)
+    phase, phase_effect = pack_phase(scene.phase, tables.g)
     scattering, marching = pack_scattering(scene), pack_marching(scene)
     lights = pack_lights(scene)
     lit = lights.any
