@@ -35,6 +35,8 @@ _HOME = {
     "Cone": "scene",
     "Camera": "scene",
     "Lens": "scene",
+    "Stereo": "scene",
+    "autofocus": "focus",
     "PixelFilter": "scene",
     "Curve": "curves",
     "ColourCurve": "curves",
@@ -52,6 +54,7 @@ __all__ = ["__version__", *_HOME]
 if TYPE_CHECKING:
     from .curves import ColourCurve, Curve
     from .environment_files import read_environment
+    from .focus import autofocus
     from .front import render, scene_of
     from .lights import (
         ConstantEnvironment,
@@ -74,6 +77,7 @@ if TYPE_CHECKING:
         Rayleigh,
         Scene,
         Schlick,
+        Stereo,
         Surface,
         TransferFunction,
         TransferTable,

@@ -14,6 +14,7 @@ from .plan_camera import pack_camera, pack_lens
 from .plan_lights import pack_lights
 from .plan_medium import pack_medium
 from .plan_phase import pack_phase
+from .plan_sampling import pack_sobol, sampling_effect
 from .plan_surface import pack_surface
 from .plan_transfer import pack_transfer, transfer_effects
 from .plan_transport import estimator_words, pack_marching, pack_scattering, scattering_effect
@@ -86,6 +87,7 @@ def plan(scene: Scene) -> Plan:
         shadows, ratio,
         lights.ambient, lights.environment, lights.rectangles, lights.delta_lights, lights.choice,
         np.bool_(scene.environment_visible and bool(lights.ambient or lights.environment)),
+        pack_sobol(scene),
     )  # fmt: skip
     effects = (
         _empty_space(scene, medium),
@@ -98,6 +100,7 @@ def plan(scene: Scene) -> Plan:
         _shadow_effect(scene, lit, ratio),
         Effect("depth of field", lens is not None, lens_why),
         _background_effect(scene, result),
+        sampling_effect(result.sobol),
     )
     return Plan(scene, result, effects, _notes(voxels, tables))
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from . import checks
-from .camera import Camera, Lens, PixelFilter, Vector
+from .camera import Camera, Lens, PixelFilter, Stereo, Vector
 from .lights import ConstantEnvironment, EnvironmentMap, Light
 from .material import Surface, TransferFunction, TransferTable
 from .phases import Cone, HenyeyGreenstein, Isotropic, Phase, Rayleigh, Schlick
@@ -16,7 +16,7 @@ from .volume import Volume
 
 __all__ = [
     "Camera", "Cone", "HenyeyGreenstein", "Isotropic", "Lens", "PixelFilter", "Rayleigh", "Scene",
-    "Schlick", "Surface", "TransferFunction", "TransferTable", "Vector", "Volume",
+    "Schlick", "Stereo", "Surface", "TransferFunction", "TransferTable", "Vector", "Volume",
 ]  # fmt: skip
 
 ISOTROPIC = Isotropic()
@@ -60,6 +60,9 @@ class Scene:
     size : (width, height)
         Pixels.
     pixel_filter : PixelFilter
+    sampler : {"sobol", "independent"}
+        How the leading random numbers of a path are drawn: spread evenly over the samples of a
+        pixel, in independent batches, or each on its own. Both are unbiased.
     """
 
     volume: Volume
@@ -78,6 +81,7 @@ class Scene:
     light_sampling: str = "mis"
     size: tuple[int, int] = (800, 600)
     pixel_filter: PixelFilter = field(default_factory=PixelFilter)
+    sampler: str = "sobol"
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "lights", tuple(self.lights))
@@ -87,6 +91,7 @@ class Scene:
         _check_transport(self)
         checks.number("shadow_reach", self.shadow_reach, least=0.0, finite=False)
         checks.choice("light_sampling", self.light_sampling, ("mis", "light", "scatter"))
+        checks.choice("sampler", self.sampler, ("sobol", "independent"))
         width, height = self.size
         object.__setattr__(
             self,
