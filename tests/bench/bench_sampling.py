@@ -18,7 +18,7 @@ import vtkmcvr
 from vtkmcvr.front import View, scene_of
 from vtkmcvr.plan import plan
 
-SAMPLES = (16,)
+SAMPLES = (16, 64, 256)
 # Sets of Sobol points that a path draws, with a lens in the order in which it draws them
 DIMENSIONS = {"pixel": 1, "pixel and lens": 2, "and collision": 3, "and light": 16}
 PARTS = (4, 5)

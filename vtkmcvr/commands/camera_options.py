@@ -7,7 +7,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from ..scene import Camera
+    from ..lights import PointLight
+    from ..scene import Camera, Scene
 
 
 def add_camera_options(parser: argparse.ArgumentParser) -> None:
@@ -32,13 +33,27 @@ def camera_options(data: Any, options: dict[str, Any], args: argparse.Namespace)
         raise ValueError("--focus needs a lens: give its radius by --aperture")
     if not args.aperture and not args.eyes and args.projection == "perspective":
         return options
-    camera = projected(scene_of(data, **options).scene.camera, args.projection)
+    scene = scene_of(data, **options).scene
+    camera = projected(scene.camera, args.projection)
+    if camera.panorama:
+        options["lights"] = (*scene.lights, _lamp(scene, camera))
     if args.eyes:
         camera = replace(camera, stereo=Stereo(args.eyes))
     options["camera"] = camera
     if args.aperture:
         options["camera"] = _with_lens(data, camera, options, args)
     return options
+
+
+def _lamp(scene: Scene, camera: Camera) -> PointLight:
+    """Light at a camera inside the volume, to which little gets from outside.
+
+    As bright, at half the volume's radius, as the studio's key light is at the centre.
+    """
+    from ..lights import PointLight
+    from ..studio import Studio
+
+    return PointLight(camera.position, Studio().key * (scene.volume.radius / 2) ** 2)
 
 
 def _with_lens(
