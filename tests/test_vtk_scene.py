@@ -514,6 +514,13 @@ def test_lens_and_eyes_go_to_vtk_and_back():
     assert camera_of(vtk_camera_of(replace(camera, lens=None))).lens is None
 
 
+def test_headlight_follows_a_panorama_too():
+    light = vtkLight()
+    light.SetLightTypeToHeadlight()
+    ahead = Camera((1, 2, 3), (1, 9, 3), panorama=True)
+    assert light_of(light, ahead) == light_of(light, replace(ahead, panorama=False))
+
+
 def test_vtk_has_no_panorama():
     with pytest.raises(ValueError, match="panorama"):
         vtk_camera_of(Camera((0, 0, 0), (0, 1, 0), panorama=True))
