@@ -8,7 +8,6 @@ import pytest
 from vtkmcvr.cli import main
 from vtkmcvr.commands.camera_options import add_camera_options, camera_options
 from vtkmcvr.front import scene_of
-from vtkmcvr.lights import PointLight
 from vtkmcvr.phantom import head_phantom
 from vtkmcvr.scene import Volume
 
@@ -48,14 +47,14 @@ def test_parallel_projection_keeps_the_focal_plane():
     assert camera.position == PLAIN.camera.position
 
 
-def test_panorama_is_from_the_middle_with_light():
+def test_panorama_is_from_the_middle_and_lit():
     scene = scene_with("--projection", "panorama")
     assert scene.camera.panorama
     assert scene.camera.position == PLAIN.camera.focal_point
     np.testing.assert_allclose(scene.camera.frame, PLAIN.camera.frame, atol=1e-12)
-    (lamp,) = [light for light in scene.lights if isinstance(light, PointLight)]
-    assert lamp.position == scene.camera.position
-    assert len(scene.lights) == len(PLAIN.lights) + 1
+    # What is far away lets the light of the look in
+    assert scene.shadow_reach == pytest.approx(0.1 * HEAD.radius)
+    assert PLAIN.shadow_reach == np.inf
 
 
 def test_eyes():

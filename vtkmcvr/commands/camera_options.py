@@ -7,8 +7,10 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from ..lights import PointLight
-    from ..scene import Camera, Scene
+    from ..scene import Camera
+
+# Of the volume's radius
+PANORAMA_REACH = 0.1
 
 
 def add_camera_options(parser: argparse.ArgumentParser) -> None:
@@ -36,24 +38,14 @@ def camera_options(data: Any, options: dict[str, Any], args: argparse.Namespace)
     scene = scene_of(data, **options).scene
     camera = projected(scene.camera, args.projection)
     if camera.panorama:
-        options["lights"] = (*scene.lights, _lamp(scene, camera))
+        # Light from outside does not get to where the camera is: only what is near casts shadows
+        options["shadow_reach"] = scene.volume.radius * PANORAMA_REACH
     if args.eyes:
         camera = replace(camera, stereo=Stereo(args.eyes))
     options["camera"] = camera
     if args.aperture:
         options["camera"] = _with_lens(data, camera, options, args)
     return options
-
-
-def _lamp(scene: Scene, camera: Camera) -> PointLight:
-    """Light at a camera inside the volume, to which little gets from outside.
-
-    As bright, at half the volume's radius, as the studio's key light is at the centre.
-    """
-    from ..lights import PointLight
-    from ..studio import Studio
-
-    return PointLight(camera.position, Studio().key * (scene.volume.radius / 2) ** 2)
 
 
 def _with_lens(
