@@ -141,7 +141,7 @@ class Sobol(NamedTuple):
     """Leading dimensions of a path are scrambled Sobol points instead of independent numbers."""
 
     key: np.uint64  # of a batch, plus an increment for each set of points drawn; 0 in the scene
-    index: np.uint64  # of a sample in its batch; 0 in the scene
+    place: np.uint64  # of a sample in its batch; 0 in the scene
     sets: np.int64  # sets of points, in one or two dimensions, still to be drawn by a path
 
 
