@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,8 +12,8 @@ from . import packed
 Image = NDArray[np.float32]
 
 
-def new_film(width: int, height: int) -> packed.Film:
-    """Empty film of width x height pixels."""
+def new_film(width: int, height: int, aovs: Collection[str] = ()) -> packed.Film:
+    """Empty film of width x height pixels; `aovs` names the planes "albedo" and "normal"."""
     plane, colour = (height, width), (height, width, 3)
     return packed.Film(
         count=np.zeros(plane, np.int64),
@@ -20,19 +22,14 @@ def new_film(width: int, height: int) -> packed.Film:
         hits=np.zeros(plane, np.int64),
         depth=np.zeros(plane, np.float64),
         rejected=np.zeros(plane, np.int64),
+        albedo=np.zeros(colour, np.float64) if "albedo" in aovs else None,
+        normal=np.zeros(colour, np.float64) if "normal" in aovs else None,
     )
 
 
 def copy_film(film: packed.Film) -> packed.Film:
     """Film with arrays of its own."""
-    return packed.Film(
-        film.count.copy(),
-        film.mean.copy(),
-        film.m2.copy(),
-        film.hits.copy(),
-        film.depth.copy(),
-        film.rejected.copy(),
-    )
+    return packed.Film(*(None if plane is None else plane.copy() for plane in film))
 
 
 def alpha(film: packed.Film) -> Image:

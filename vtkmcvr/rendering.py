@@ -61,7 +61,7 @@ def render_scene(
         schedule.default_threads() if threads is None else checks.whole("threads", threads, least=1)
     )
     planned = scene if isinstance(scene, Plan) else plan(scene)
-    film = new_film(*planned.scene.size)
+    film = new_film(*planned.scene.size, planned.scene.aovs)
     stopped_by, spent = schedule.run(planned.packed, film, rules, seed, threads, progress)
     return Picture(
         film, planned, display or Display(), spent, stopped_by, seed, threads, recipe or {}

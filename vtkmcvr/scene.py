@@ -5,6 +5,7 @@ Nothing here knows VTK or Numba; `vtk_scene` translates from VTK, `plan` into wh
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from . import checks
@@ -21,6 +22,17 @@ __all__ = [
 
 ISOTROPIC = Isotropic()
 ESTIMATORS = ("majorant-grid", "woodcock", "ray-march")
+
+
+AOVS = ("albedo", "normal")
+
+
+def _aovs(names: Iterable[str]) -> tuple[str, ...]:
+    given = (names,) if isinstance(names, str) else tuple(names)
+    for name in given:
+        if name not in AOVS:
+            raise ValueError(f"aovs are some of {', '.join(AOVS)}; got {name!r}")
+    return tuple(name for name in AOVS if name in given)
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,6 +72,8 @@ class Scene:
     size : (width, height)
         Pixels.
     pixel_filter : PixelFilter
+    aovs : sequence of {"albedo", "normal"}
+        What the film also records of the first collision; a normal costs a gradient there.
     """
 
     volume: Volume
@@ -78,6 +92,7 @@ class Scene:
     light_sampling: str = "mis"
     size: tuple[int, int] = (800, 600)
     pixel_filter: PixelFilter = field(default_factory=PixelFilter)
+    aovs: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "lights", tuple(self.lights))
@@ -87,6 +102,7 @@ class Scene:
         _check_transport(self)
         checks.number("shadow_reach", self.shadow_reach, least=0.0, finite=False)
         checks.choice("light_sampling", self.light_sampling, ("mis", "light", "scatter"))
+        object.__setattr__(self, "aovs", _aovs(self.aovs))
         width, height = self.size
         object.__setattr__(
             self,
