@@ -38,10 +38,10 @@ def knn(
     darkens: tone curve and gamma are concave.
 
     All follows v, the variance of the mean on the display, averaged over the window (the variance
-    of a sample, which the paper names, would not fall). The result is the pixel moved toward the
-    window's mean by the share v / (v + v0), v0 = `HALF_STRENGTH` squared: it falls as 1/samples, and
-    so does the bias, faster than the noise. Differences count in units of v, where the paper's
-    constant made pictures worse than no filter from some 60 samples on.
+    of a sample, which the paper names, would not fall). A pixel moves toward its window's mean by
+    the share v / (v + v0), v0 = `HALF_STRENGTH` squared: it falls as 1/samples, and so does the
+    bias, faster than the noise. Differences count in units of v, where the paper's constant made
+    pictures worse than no filter from some 60 samples on.
 
     Parameters
     ----------

@@ -42,8 +42,8 @@ class Display:
     gamma : float, optional
         Encode by the power 1 / gamma, as in Exposure Render, > 0. None: sRGB.
     film_filter : {"none", "gaussian-5x5"}
-        "gaussian-5x5" blurs the film before tone mapping as Exposure Render does, whose pixel filter
-        is `PixelFilter("box", 0.5)`.
+        "gaussian-5x5" blurs the film before tone mapping, as Exposure Render does with samples of
+        `PixelFilter("box", 0.5)`.
     """
 
     exposure: float = 0.0

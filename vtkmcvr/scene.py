@@ -27,7 +27,8 @@ ESTIMATORS = ("majorant-grid", "woodcock", "ray-march")
 AOVS = ("albedo", "normal")
 
 
-def _aovs(names: Iterable[str]) -> tuple[str, ...]:
+def known_aovs(names: Iterable[str]) -> tuple[str, ...]:
+    """Return the names, each once, or say which are allowed."""
     given = (names,) if isinstance(names, str) else tuple(names)
     for name in given:
         if name not in AOVS:
@@ -102,7 +103,7 @@ class Scene:
         _check_transport(self)
         checks.number("shadow_reach", self.shadow_reach, least=0.0, finite=False)
         checks.choice("light_sampling", self.light_sampling, ("mis", "light", "scatter"))
-        object.__setattr__(self, "aovs", _aovs(self.aovs))
+        object.__setattr__(self, "aovs", known_aovs(self.aovs))
         width, height = self.size
         object.__setattr__(
             self,

@@ -83,9 +83,7 @@ def run(
     return stopped_by, time.perf_counter() - runner.start
 
 
-def fill_up(
-    scene: packed.Scene, film: packed.Film, counts: NDArray[np.int64], seed: int
-) -> None:
+def fill_up(scene: packed.Scene, film: packed.Film, counts: NDArray[np.int64], seed: int) -> None:
     """Bring every pixel up to a number of samples of its own, as a run that was cut off left it."""
     height, width = counts.shape
     for row in range(height):

@@ -177,9 +177,20 @@ def _dataclass(form: dict[str, Any], kind: Any, arrays: Arrays, place: str, dept
         if name != TYPE
     }
     try:
-        return cls(**values)
+        made = cls(**values)
     except (TypeError, ValueError, AttributeError, IndexError) as error:
         raise ValueError(f"{place} is no {kind}: {error}") from error
+    _keep_bits(made, values)
+    return made
+
+
+def _keep_bits(made: Any, values: Mapping[str, Any]) -> None:
+    """Undo rounding: a unit vector that is normalised again may differ in its last bits."""
+    for name, value in values.items():
+        now = getattr(made, name)
+        numbers = isinstance(value, tuple) and all(isinstance(x, float) for x in value)
+        if numbers and now != value and np.allclose(now, value, rtol=1e-12, atol=0):
+            object.__setattr__(made, name, value)
 
 
 def _type_name(cls: type) -> str:

@@ -15,7 +15,7 @@ AREA = f32((2 * RADIUS + 1) ** 2)
 def knn_filter(guide, values, share, tolerance, out):
     """Move every pixel by its `share` toward the weighted mean of its window.
 
-    The weight of a neighbour is exp(-(|guide difference|^2 / tolerance + distance^2 / 49)), with the
+    The weight of a neighbour is exp(-(|guide difference|^2 / tolerance + distance^2 / 49)), by the
     pixel's own `tolerance`. The mean is taken of differences from the pixel itself, so that equal
     values stay the same bits. The window is cut at the border: a pixel counts once (HC-60).
     """

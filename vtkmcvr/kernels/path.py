@@ -95,8 +95,7 @@ def background(scene, d, index):
 
 @glue
 def radiance(scene, origin, d, rng):
-    """One camera path. Returns (L, 1 or 0 for a collision in the volume, and there: distance,
-    albedo, normal where the film records it).
+    """One camera path. Returns (L, 1 or 0 for a collision in the volume, distance, albedo, normal).
 
     `origin` is float64; the ray is computed in float64 until it enters the volume, so that a camera
     far away or a volume far from the world's origin costs no precision (HC-08).
