@@ -86,7 +86,8 @@ def display_variance(
     known = np.isfinite(standard_error)
     slope = _display_slope(light, exposure)
     noise = np.where(known, slope * np.where(known, standard_error, 0), 1.0)
-    return window_mean(np.mean(np.minimum(noise, 1.0) ** 2, axis=2), [1.0] * WINDOW)
+    local = window_mean(np.mean(np.minimum(noise, 1.0) ** 2, axis=2), [1.0] * WINDOW)
+    return local.astype(np.float64)
 
 
 def _display_slope(light: NDArray[np.float64], exposure: float) -> NDArray[np.float64]:

@@ -29,7 +29,9 @@ def new_film(width: int, height: int, aovs: Collection[str] = ()) -> packed.Film
 
 def copy_film(film: packed.Film) -> packed.Film:
     """Film with arrays of its own."""
-    return packed.Film(*(None if plane is None else plane.copy() for plane in film))
+    return film._replace(
+        **{name: plane.copy() for name, plane in film._asdict().items() if plane is not None}
+    )
 
 
 def alpha(film: packed.Film) -> Image:

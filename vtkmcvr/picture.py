@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 Colour = tuple[float, float, float]
 SUFFIXES = (".png", ".exr", ".npz", ".vti")
 FILM_FILTERS = ("none", "gaussian-5x5")
-TO_RGBA = {8: to_rgba8, 16: to_rgba16}
+TO_RGBA: dict[int, Callable[..., NDArray[Any]]] = {8: to_rgba8, 16: to_rgba16}
 
 
 @dataclass(frozen=True)
@@ -218,7 +218,7 @@ class Picture:
 
     def arrays(self) -> dict[str, NDArray]:
         """All arrays by public name; AOVs where the film has them."""
-        arrays = {
+        arrays: dict[str, NDArray | None] = {
             "rgba": self.rgba,
             "radiance": self.radiance,
             "alpha": self.alpha,

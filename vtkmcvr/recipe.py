@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import __version__, packed
+from .content_hash import content
 from .serialise import NotSerialisable, to_plain
 
 if TYPE_CHECKING:
@@ -60,8 +61,8 @@ def _replay(picture: Picture) -> dict[str, Any]:
 
 def film_hash(film: packed.Film) -> str:
     """SHA-256 of the counts and the means of radiance, in hexadecimal."""
-    digest = hashlib.sha256(np.ascontiguousarray(film.count, "<i8"))
-    digest.update(np.ascontiguousarray(film.mean, "<f8"))
+    digest = hashlib.sha256(content(film.count))
+    digest.update(content(film.mean))
     return digest.hexdigest()
 
 
@@ -70,8 +71,7 @@ def plain_counts(count: NDArray[np.int64]) -> Any:
     first = int(count.flat[0])
     if (count == first).all():
         return first
-    content = zlib.compress(np.ascontiguousarray(count, "<i8").tobytes(), 9)
-    return base64.b64encode(content).decode("ascii")
+    return base64.b64encode(zlib.compress(content(count), 9)).decode("ascii")
 
 
 def counts_of(plain: Any, size: tuple[int, int]) -> NDArray[np.int64]:
@@ -81,8 +81,9 @@ def counts_of(plain: Any, size: tuple[int, int]) -> NDArray[np.int64]:
         return np.full((height, width), plain, np.int64)
     try:
         unpack = zlib.decompressobj()
-        content = unpack.decompress(base64.b64decode(plain, validate=True), 8 * width * height + 1)
-        counts = np.frombuffer(content, "<i8").reshape(height, width)
+        bound = 8 * width * height + 1
+        unpacked = unpack.decompress(base64.b64decode(plain, validate=True), bound)
+        counts = np.frombuffer(unpacked, "<i8").reshape(height, width)
     except (TypeError, ValueError, zlib.error):
         raise ValueError("the recipe does not say how many samples a pixel has") from None
     if counts.min() < 0:

@@ -141,10 +141,14 @@ def _float(form: Mapping[str, Any], place: str) -> float:
 
 def _header(form: Mapping[str, Any], place: str) -> tuple[tuple[int, ...], np.dtype]:
     shape, dtype = form.get("shape"), form.get("dtype")
-    whole = isinstance(shape, list) and all(type(n) is int and n >= 0 for n in shape)
-    if not whole or not isinstance(dtype, str) or not re.fullmatch(r"[<|][biuf][1248]", dtype):
+    known = isinstance(dtype, str) and re.fullmatch(r"[<|][biuf][1248]", dtype)
+    if not known or not isinstance(shape, list) or not all(_is_length(n) for n in shape):
         raise ValueError(f"{place} is no array: shape {shape!r}, type {dtype!r}")
     return tuple(shape), np.dtype(dtype)
+
+
+def _is_length(value: Any) -> bool:
+    return type(value) is int and value >= 0
 
 
 def _array(form: Mapping[str, Any], place: str) -> NDArray[Any]:
