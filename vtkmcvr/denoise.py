@@ -23,9 +23,11 @@ METHODS = ("knn", "oidn")
 # Noise on the display, as a standard deviation in 0..1, at which half the strength is left
 HALF_STRENGTH = 2 / 255
 # Squared display differences, in variances of the mean, at which a neighbour's weight is 1/e
-TOLERANCE = 30.0
+TOLERANCE = 8.0
 LEAST_VARIANCE = 1e-8
 WINDOW = 7
+# Weights along rows and columns of the pixels that tell what a pixel looks like
+LOOK = (1.0, 2.0, 1.0)
 
 
 def knn(
@@ -33,9 +35,10 @@ def knn(
 ) -> Denoised:
     """Reduce noise by a 7x7 window of alike pixels.
 
-    How alike two pixels are is told by what the display shows of them, as in the paper; averaged is
-    the light itself, premultiplied, with its coverage. The paper averages display values, which
-    darkens: tone curve and gamma are concave.
+    How alike two pixels are is told by what the display shows of them, as in the paper, but over 3x3
+    pixels as far as there is noise: the paper's single pixel leaves lone dark ones that are like
+    nothing around. Averaged is the light itself, premultiplied, with its coverage. The paper
+    averages display values, which darkens: tone curve and gamma are concave.
 
     All follows v, the variance of the mean on the display, averaged over the window (the variance
     of a sample, which the paper names, would not fall). A pixel moves toward its window's mean by
@@ -60,11 +63,13 @@ def knn(
     from .kernels.knn import knn_filter
 
     variance = display_variance(radiance, standard_error, exposure)
-    seen = srgb_encode(tone_map(radiance, exposure))
+    share = strength(variance)
+    seen = np.dstack([srgb_encode(tone_map(radiance, exposure)), alpha])
+    look = seen + share[..., None] * (window_mean(seen, LOOK) - seen)
     values = np.dstack([radiance, alpha]).astype(np.float32)
     out = np.empty_like(values)
     knn_filter(
-        np.dstack([seen, alpha]).astype(np.float32), values, strength(variance),
+        look.astype(np.float32), values, share,
         (TOLERANCE * np.maximum(variance, LEAST_VARIANCE)).astype(np.float32), out,
     )  # fmt: skip
     return out[..., :3], out[..., 3]
