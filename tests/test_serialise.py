@@ -11,8 +11,10 @@ from vtkmcvr import lights
 from vtkmcvr.camera import Camera, Lens, PixelFilter
 from vtkmcvr.content_hash import content_hash
 from vtkmcvr.curves import ColourCurve, Curve
-from vtkmcvr.material import Surface, TransferFunction
-from vtkmcvr.serialise import MissingArray, NotSerialisable, from_plain, to_plain
+from vtkmcvr.deserialise import MissingArray, from_plain
+from vtkmcvr.material import Surface, TransferFunction, TransferTable
+from vtkmcvr.phases import Cone, HenyeyGreenstein, Isotropic, Rayleigh, Schlick
+from vtkmcvr.serialise import NotSerialisable, to_plain
 
 SKY = lights.EnvironmentMap(np.random.default_rng(1).random((3, 5, 3)), 0.7)
 
@@ -31,6 +33,8 @@ def assert_equal(a, b):
     elif hasattr(a, "__dataclass_fields__"):
         for name in a.__dataclass_fields__:
             assert_equal(getattr(a, name), getattr(b, name))
+    elif isinstance(a, dict):
+        assert_equal(tuple(a.items()), tuple(b.items()))
     elif isinstance(a, tuple):
         assert len(a) == len(b)
         for one, other in zip(a, b, strict=True):
@@ -44,7 +48,7 @@ SMALL = [
     lights.RectangleLight((1, 2, 3), (0, 0.1, 0), (2, 3), 5.0, (0.1, 0.2, 0.3), True, True),
     lights.PointLight((1, 2, 3), 4.0, (1, 0, 1), (0.1, 0.2, -1), 30.0, 2.0),
     Camera((1, 2, 3), (0, 0, 0), (0.1, 0.2, 1), 33.3, 4.5, (0.1, -0.2), Lens(0.5, 7.0)),
-    Surface(0.3, True, (0.1, 0.2, 0.3), 12.0),
+    Surface(0.3, specular=(0.1, 0.2, 0.3), exponent=12.0),
     TransferFunction(
         None, ColourCurve([(1, 0.1, 0.2, 0.3), (0, 1, 1, 1, 0.3, 0.7)], clamp=False), 2.0,
         Curve([(0, 0), (0, 5.0), (3, 1)]), 0.5,
@@ -65,6 +69,21 @@ def test_whole_scenes_round_trip():
     ):
         pixels = [light.pixels for light in one.lights if isinstance(light, lights.EnvironmentMap)]
         assert_equal(again(one, one.volume.values, *pixels), one)
+
+
+def test_mappings_keep_their_keys():
+    one = {3: SMALL[0], 7: None, "name": (1.5, math.inf)}
+    assert_equal(again(one), one)
+
+
+def test_a_transfer_function_is_written_whatever_its_size():
+    table = TransferTable(np.random.default_rng(1).random((40, 50, 4)), (0.0, 1.0), (0.0, 2.0))
+    assert_equal(again(table), table)
+
+
+def test_every_phase_function_round_trips():
+    for phase in (Isotropic(), HenyeyGreenstein(0.3), Schlick(-0.4), Rayleigh(), Cone(30.0)):
+        assert_equal(again(scene(phase=phase), blob().values).phase, phase)
 
 
 def test_unit_vectors_keep_their_bits():
@@ -119,12 +138,17 @@ HOSTILE = {
     "bad value": ({**GOOD, "view_angle": -3}, "view_angle must be above 0"),
     "wrong kind": ({**GOOD, "position": "here"}, "camera.position must be three numbers"),
     "float": ({"type": "float", "value": "1e999"}, "is no number"),
-    "array type": ({"type": "array", "shape": [1], "dtype": "O", "base64": ""}, "is no array"),
-    "array shape": ({"type": "array", "shape": [-1], "dtype": "<f8", "base64": ""}, "is no array"),
+    "array type": ({"type": "array", "shape": [1], "dtype": "O", "zlib": ""}, "is no array"),
+    "array shape": ({"type": "array", "shape": [-1], "dtype": "<f8", "zlib": ""}, "is no array"),
     "array length": (
-        {"type": "array", "shape": [9], "dtype": "<f8", "base64": "AAAA"}, "is no array of shape"
+        {"type": "array", "shape": [9], "dtype": "<f8", "zlib": "eJwDAAAAAAE="}, "array of shape"
     ),
-    "base64": ({"type": "array", "shape": [1], "dtype": "|u1", "base64": "$"}, "is no array"),
+    "no zlib": (
+        {"type": "array", "shape": [1], "dtype": "|u1", "zlib": "AAAA"}, "is no array of shape"
+    ),
+    "mapping": ({"type": "mapping", "items": [1, 2]}, "is no mapping"),
+    "mapping without items": ({"type": "mapping"}, "is no mapping"),
+    "base64": ({"type": "array", "shape": [1], "dtype": "|u1", "zlib": "$"}, "is no array"),
     "hash": ({"type": "outside array", "shape": [1], "dtype": "|u1"}, "no content hash"),
     "deep": (json.loads("[" * 100 + "]" * 100), "nested too deep"),
 }  # fmt: skip

@@ -9,6 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+# Metadata of a field whose array goes into recipes as it is: nothing of a patient can be in it
+INSIDE = {"in recipe": True}
+
 _known: dict[int, tuple[weakref.ref, str]] = {}
 
 

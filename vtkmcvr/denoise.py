@@ -35,7 +35,7 @@ def knn(
 ) -> Denoised:
     """Reduce noise by a 7x7 window of alike pixels.
 
-    How alike two pixels are is told by what the display shows of them, as in the paper, but over 3x3
+    How alike two pixels are is told by what the display shows of them, as in the paper, over 3x3
     pixels as far as there is noise: the paper's single pixel leaves lone dark ones that are like
     nothing around. Averaged is the light itself, premultiplied, with its coverage. The paper
     averages display values, which darkens: tone curve and gamma are concave.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,9 +30,13 @@ def new_film(width: int, height: int, aovs: Collection[str] = ()) -> packed.Film
 
 def copy_film(film: packed.Film) -> packed.Film:
     """Film with arrays of its own."""
-    return film._replace(
-        **{name: plane.copy() for name, plane in film._asdict().items() if plane is not None}
-    )
+    return _copied(film)
+
+
+def _copied(part: Any) -> Any:
+    if isinstance(part, tuple):
+        return type(part)(*map(_copied, part))
+    return None if part is None else part.copy()
 
 
 def alpha(film: packed.Film) -> Image:

@@ -12,58 +12,19 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import checks, packed, picture_files
 from . import film as films
-from .display import to_rgba8, to_rgba16
-from .film_filter import gaussian_5x5
+from . import packed, picture_files
 from .plan import Plan
 from .recipe import recipe_of
 from .schedule import Progress
+from .screen import Display, shown
+
+__all__ = ["Display", "Picture", "check_suffix"]
 
 if TYPE_CHECKING:
     from .denoised_picture import DenoisedPicture
 
-Colour = tuple[float, float, float]
 SUFFIXES = (".png", ".exr", ".npz", ".vti")
-FILM_FILTERS = ("none", "gaussian-5x5")
-TO_RGBA: dict[int, Callable[..., NDArray[Any]]] = {8: to_rgba8, 16: to_rgba16}
-
-
-@dataclass(frozen=True)
-class Display:
-    """How radiance becomes pixels; changing it traces no ray.
-
-    Parameters
-    ----------
-    exposure : float
-        Stops; +1 doubles the brightness before tone mapping.
-    background : (r, g, b), optional
-        Display colour from 0 to 1 behind the volume. None: transparent.
-    gamma : float, optional
-        Encode by the power 1 / gamma, as in Exposure Render, > 0. None: sRGB.
-    film_filter : {"none", "gaussian-5x5"}
-        "gaussian-5x5" blurs the film before tone mapping, as Exposure Render does with samples of
-        `PixelFilter("box", 0.5)`.
-    """
-
-    exposure: float = 0.0
-    background: Colour | None = None
-    gamma: float | None = None
-    film_filter: str = "none"
-
-    def __post_init__(self) -> None:
-        checks.number("exposure", self.exposure)
-        if self.gamma is not None:
-            checks.number("gamma", self.gamma, above=0.0, most=10.0)
-        if self.film_filter not in FILM_FILTERS:
-            raise ValueError(
-                f"film_filter is one of {', '.join(FILM_FILTERS)}; got {self.film_filter!r}"
-            )
-        if self.background is not None:
-            behind = checks.colour("background", self.background)
-            if max(behind) > 1:
-                raise ValueError(f"background must be (r, g, b) in 0..1, got {self.background!r}")
-            object.__setattr__(self, "background", behind)
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,16 +131,8 @@ class Picture:
 
     def show(self, display: Display, bits: int = 8) -> NDArray[Any]:
         """Display picture under another display, (H, W, 4), uint8, or uint16 for 16 bits."""
-        if bits not in TO_RGBA:
-            raise ValueError(f"a picture has 8 or 16 bits, got {bits!r}")
         opaque = bool(self.plan.packed.environment_visible)
-        light, alpha = self.radiance, None if opaque else self.alpha
-        if display.film_filter == "gaussian-5x5":
-            light, alpha = gaussian_5x5(light), None if alpha is None else gaussian_5x5(alpha)
-        return TO_RGBA[bits](
-            light, alpha,
-            exposure=display.exposure, background=display.background, gamma=display.gamma,
-        )  # fmt: skip
+        return shown(self.radiance, None if opaque else self.alpha, display, bits)
 
     def with_display(self, display: Display | None = None, **changes: Any) -> Picture:
         """The same film under another display, or with parts of it changed; traces no ray.

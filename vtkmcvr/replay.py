@@ -12,14 +12,14 @@ from numpy.typing import NDArray
 
 from . import __version__, checks, packed, schedule
 from .content_hash import content_hash
-from .film import new_film
+from .deserialise import MissingArray, from_plain
 from .picture import Display, Picture
 from .plan import Plan, plan
 from .recipe import FORMAT, counts_of, film_hash
 from .recipe_files import read_recipe
+from .rendering import empty_film
 from .scene import Scene
 from .schedule import Progress, StopRules
-from .serialise import MissingArray, from_plain
 from .volume import Volume
 
 
@@ -78,7 +78,7 @@ def replay(
     seed = checks.whole("the recipe's seed", part.get("seed"), least=0)
     counts = counts_of(part.get("samples"), planned.scene.size)
     threads = threads or schedule.default_threads()
-    film = new_film(*planned.scene.size, planned.scene.aovs)
+    film = empty_film(planned)
     start = time.perf_counter()
     rules = StopRules(int(counts.min()), None, abort)
     stopped_by, _ = schedule.run(planned.packed, film, rules, seed, threads, progress)
