@@ -1,5 +1,8 @@
 """What a picture shows and saves, without a ray."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 from scenes import medium, noise, render, scene
@@ -91,6 +94,42 @@ def test_16_bits_are_for_png(picture, tmp_path):
     with pytest.raises(ValueError, match="8 or 16 bits, got 12"):
         picture.save(tmp_path / "b.png", bits=12)
     assert list(tmp_path.iterdir()) == [path]
+
+
+FULL = """
+import resource, signal, sys
+import numpy as np
+from vtkmcvr.picture_files import write_exr, write_npz, write_png, write_vti
+path = sys.argv[1]
+image = np.random.default_rng(1).random((200, 300, 3), np.float32)
+recipe = {"text": np.random.default_rng(1).bytes(20_000).hex()}
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, 10_000))
+try:
+    if path.endswith("png"):
+        write_png(path, (image * 255).astype(np.uint8), {"recipe": str(recipe)})
+    else:
+        write = {"exr": write_exr, "npz": write_npz, "vti": write_vti}[path[-3:]]
+        write(path, {"radiance": image}, recipe)
+except OSError as error:
+    print(f"OSError: {error}")
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="limits the size of files as POSIX does")
+@pytest.mark.parametrize("suffix", [".png", ".exr", ".vti", ".npz"])
+def test_a_disk_that_is_full_leaves_the_old_file_and_nothing_else(tmp_path, suffix):
+    if suffix == ".exr":
+        pytest.importorskip("OpenEXR")
+    path = tmp_path / f"a{suffix}"
+    path.write_bytes(b"old")
+    done = subprocess.run(
+        [sys.executable, "-c", FULL, str(path)], capture_output=True, text=True, check=True
+    )
+    assert done.stdout.startswith(f"OSError: cannot write {path}: ")
+    assert done.stdout.count("\n") == 1
+    assert list(tmp_path.iterdir()) == [path]
+    assert path.read_bytes() == b"old"
 
 
 @pytest.mark.parametrize("suffix", [".exr", ".vti", ".npz"])
