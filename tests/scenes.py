@@ -6,6 +6,7 @@ lights that a test does not want are there, too dark to count.
 
 import numpy as np
 
+from vtkmcvr import film_error
 from vtkmcvr.curves import ColourCurve, Curve
 from vtkmcvr.lights import (
     ConstantEnvironment,
@@ -110,9 +111,8 @@ def everything(*lights, surface=None, phase=None, vol=None, **options):
 def mean_and_error(picture, channel=1):
     """Mean radiance over the pixels, and its standard error from the film's own variance."""
     film = picture.film
-    n = film.count
-    variance = film.m2[..., channel] / (n - 1) / n
-    return film.mean[..., channel].mean(), np.sqrt(variance.sum()) / n.size
+    variance = film_error.variance(film)[..., channel]
+    return film.mean[..., channel].mean(), np.sqrt(variance.sum()) / variance.size
 
 
 def z_score(picture, other):

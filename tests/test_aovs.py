@@ -77,7 +77,7 @@ def test_only_what_was_asked_for_is_there(aovs):
     lit = scene(blob(), lights=LIGHTS, aovs=aovs, size=(8, 8))
     planned = plan(lit)
     assert (planned.packed.normal_map is None) == ("normal" not in aovs)
-    film = new_film(8, 8, aovs)
+    film = new_film(8, 8, aovs=aovs)
     for name in ("albedo", "normal"):
         assert (getattr(film, name) is None) == (name not in aovs)
     (effect,) = (effect for effect in planned.effects if effect.name == "first-hit AOVs")

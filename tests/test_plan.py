@@ -12,7 +12,7 @@ from vtkmcvr.lights import (
     RectangleLight,
 )
 from vtkmcvr.plan import plan
-from vtkmcvr.scene import Camera, Cone, HenyeyGreenstein, Lens, Surface
+from vtkmcvr.scene import Camera, Cone, HenyeyGreenstein, Lens, Stereo, Surface
 
 EFFECTS = {
     "medium", "colour by point", "gradient classification", "emission", "multiple scattering",
@@ -20,6 +20,7 @@ EFFECTS = {
     "environment map", "area lights", "point and directional lights",
     "multiple importance sampling", "shadows", "depth of field", "visible environment",
     "first-hit AOVs",
+    "even samples",
 }  # fmt: skip
 PARTS = {
     "lens": "depth of field", "surface": "surface shading", "gloss": "specular coat",
@@ -80,7 +81,7 @@ LAMP = (RectangleLight((0, 0, 5), (0, 0, 0), (1, 1)),)
     ("changes", "part", "name", "reason"),
     [
         ({"camera": lensed(0)}, "lens", "depth of field", "aperture radius is 0"),
-        ({"camera": lensed(parallel_scale=2)}, "lens", "depth of field", "parallel projection"),
+        ({"camera": lensed(panorama=True)}, "lens", "depth of field", "panorama"),
         ({"surface": Surface(0)}, "surface", "surface shading", "gradient factor is 0"),
         ({"surface": Surface(0)}, "gloss", "specular coat", "no surfaces"),
         ({"surface": Surface(specular=0)}, "gloss", "specular coat", "Lambert"),
@@ -151,7 +152,7 @@ def test_black_rectangle_still_blocks():
     assert planned.packed.rectangles is not None
 
 
-def test_everything_is_float32_but_the_camera():
+def test_everything_is_float32_but_the_camera_and_the_sampler():
     def leaves(part):
         if isinstance(part, tuple):
             for x in part:
@@ -159,14 +160,18 @@ def test_everything_is_float32_but_the_camera():
         elif part is not None:
             yield part
 
-    packed = plan(dataclasses.replace(everything(), camera=lensed(), scattering="multiple")).packed
+    others = {
+        "camera": ("float64", "int64"), "medium": ("float64",), "sobol": ("uint64", "int64"),
+    }  # fmt: skip
+    eyes = dataclasses.replace(
+        everything(), camera=lensed(stereo=Stereo()), ratio_tracking=True, scattering="multiple"
+    )
+    packed = plan(eyes).packed
     for name, part in packed._asdict().items():
         for leaf in leaves(part):
             # No Python number, which would compile anew, and no array that is not C-contiguous
             assert isinstance(leaf, (np.ndarray, np.generic)), (name, leaf)
-            kinds = ("float32", "bool", "int32") + (
-                ("float64",) if name in ("camera", "medium") else ()
-            )
+            kinds = ("float32", "bool", "int32", *others.get(name, ()))
             assert leaf.dtype.name in kinds, (name, leaf.dtype)
             if isinstance(leaf, np.ndarray):
                 assert leaf.flags.c_contiguous

@@ -32,6 +32,8 @@ _HOME = {
     "Surface": "scene",
     "Camera": "scene",
     "Lens": "scene",
+    "Stereo": "scene",
+    "autofocus": "focus",
     "PixelFilter": "scene",
     "Curve": "curves",
     "ColourCurve": "curves",
@@ -50,6 +52,7 @@ if TYPE_CHECKING:
     from .curves import ColourCurve, Curve
     from .denoised_picture import DenoisedPicture
     from .environment_files import read_environment
+    from .focus import autofocus
     from .front import render, scene_of
     from .lights import (
         ConstantEnvironment,
@@ -64,7 +67,16 @@ if TYPE_CHECKING:
     from .recipe_files import read_recipe
     from .rendering import render_scene
     from .replay import replay
-    from .scene import Camera, Lens, PixelFilter, Scene, Surface, TransferFunction, Volume
+    from .scene import (
+        Camera,
+        Lens,
+        PixelFilter,
+        Scene,
+        Stereo,
+        Surface,
+        TransferFunction,
+        Volume,
+    )
     from .studio import view_camera
 
 

@@ -8,13 +8,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import packed
+from . import film_error, packed
 
 Image = NDArray[np.float32]
 
 
-def new_film(width: int, height: int, aovs: Collection[str] = ()) -> packed.Film:
-    """Empty film of width x height pixels; `aovs` names the planes "albedo" and "normal"."""
+def new_film(
+    width: int, height: int, sobol: packed.Sobol | None = None, aovs: Collection[str] = ()
+) -> packed.Film:
+    """Empty film of width x height pixels, for samples drawn as `sobol` says.
+
+    `aovs` names the planes to record, "albedo" and "normal".
+    """
     plane, colour = (height, width), (height, width, 3)
     return packed.Film(
         count=np.zeros(plane, np.int64),
@@ -25,7 +30,12 @@ def new_film(width: int, height: int, aovs: Collection[str] = ()) -> packed.Film
         rejected=np.zeros(plane, np.int64),
         albedo=np.zeros(colour, np.float64) if "albedo" in aovs else None,
         normal=np.zeros(colour, np.float64) if "normal" in aovs else None,
+        batches=None if sobol is None else _new_batches(colour),
     )
+
+
+def _new_batches(colour: tuple[int, int, int]) -> packed.Batches:
+    return packed.Batches(np.zeros(colour, np.float64), np.zeros(colour, np.float64))
 
 
 def copy_film(film: packed.Film) -> packed.Film:
@@ -51,9 +61,7 @@ def depth(film: packed.Film) -> Image:
 
 def standard_error(film: packed.Film) -> Image:
     """Standard error of the mean radiance, (H, W, 3); inf, unknown, below two samples."""
-    n = film.count[..., None]
-    variance = film.m2 / np.maximum(n - 1, 1) / np.maximum(n, 1)
-    return np.where(n > 1, np.sqrt(variance), np.inf).astype(np.float32)
+    return np.sqrt(film_error.smooth_variance(film)).astype(np.float32)
 
 
 def nrms(film: packed.Film) -> float:
@@ -62,10 +70,9 @@ def nrms(film: packed.Film) -> float:
     The mean square of the estimate exceeds that of the truth by the error's, which is taken off. 0
     for a film that is black without doubt, inf where the error is unknown.
     """
-    error = standard_error(film).astype(np.float64)
-    if not np.isfinite(error).all():
+    noise = float(np.mean(film_error.variance(film)))
+    if not np.isfinite(noise):
         return float("inf")
-    noise = float(np.mean(error**2))
     power = float(np.mean(film.mean**2)) - noise
     if noise == 0:
         return 0.0

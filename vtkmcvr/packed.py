@@ -23,6 +23,9 @@ Vector64 = tuple[np.float64, np.float64, np.float64]
 Matrix = tuple[Vector, Vector, Vector]
 Matrix64 = tuple[Vector64, Vector64, Vector64]
 
+# Consecutive samples of a pixel that share a set of Sobol points
+BATCH = 16
+
 
 class Medium(NamedTuple):
     """The scalar field with its majorant grid."""
@@ -86,6 +89,22 @@ class Transfer(NamedTuple):
     phase: NDArray[np.float32] | None  # (n,) instead of Phase.shape
 
 
+class Panorama(NamedTuple):
+    """The camera's directions are (longitude, latitude, unused) in this frame, in radians."""
+
+    right: Vector64
+    up: Vector64
+    forward: Vector64
+
+
+class SideBySide(NamedTuple):
+    """The camera is the left eye's; the right eye's film lies on its right."""
+
+    columns: np.int64  # of one eye
+    origin: Vector64  # to be added for the right eye
+    direction: Vector64
+
+
 class Camera(NamedTuple):
     """Affine map from film to rays.
 
@@ -103,6 +122,8 @@ class Camera(NamedTuple):
     index_from_world: Matrix64
     index_of_centre: Vector64  # index position of the volume's centre
     filter: NDArray[np.float32]  # inverse distribution of the pixel filter, offsets in pixels
+    panorama: Panorama | None
+    side_by_side: SideBySide | None
 
 
 class Lens(NamedTuple):
@@ -113,6 +134,15 @@ class Lens(NamedTuple):
     right: Vector
     up: Vector
     axis: Vector
+    corners: NDArray[np.float32] | None  # (n + 1, 2) of a polygonal aperture of radius 1; closed
+
+
+class Sobol(NamedTuple):
+    """Leading dimensions of a path are scrambled Sobol points instead of independent numbers."""
+
+    key: np.uint64  # of a batch, plus an increment for each set of points drawn; 0 in the scene
+    index: np.uint64  # of a sample in its batch; 0 in the scene
+    sets: np.int64  # sets of points, in one or two dimensions, still to be drawn by a path
 
 
 class Surface(NamedTuple):
@@ -245,6 +275,14 @@ class Scene(NamedTuple):
     choice: LightChoice | None
     environment_visible: np.bool_
     normal_map: NormalMap | None
+    sobol: Sobol | None
+
+
+class Batches(NamedTuple):
+    """Running moments of the means of batches of `BATCH` samples, [row, column], float64."""
+
+    mean: NDArray[np.float64]  # (H, W, 3) mean of the batches that are complete
+    m2: NDArray[np.float64]  # (H, W, 3) sum of squared deviations of their means
 
 
 class Film(NamedTuple):
@@ -259,3 +297,4 @@ class Film(NamedTuple):
     # (H, W, 3) means over all samples of what the first collision met, 0 for a miss
     albedo: NDArray[np.float64] | None
     normal: NDArray[np.float64] | None  # world-space unit vectors toward the camera
+    batches: Batches | None  # where samples of a batch depend on each other

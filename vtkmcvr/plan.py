@@ -14,6 +14,7 @@ from .plan_camera import pack_camera, pack_lens
 from .plan_lights import pack_lights
 from .plan_medium import pack_medium
 from .plan_phase import pack_phase
+from .plan_sampling import pack_sobol, sampling_effect
 from .plan_surface import pack_normal_map, pack_surface
 from .plan_transfer import pack_transfer, transfer_effects
 from .plan_transport import estimator_words, pack_marching, pack_scattering, scattering_effect
@@ -87,6 +88,7 @@ def plan(scene: Scene) -> Plan:
         lights.ambient, lights.environment, lights.rectangles, lights.delta_lights, lights.choice,
         np.bool_(scene.environment_visible and bool(lights.ambient or lights.environment)),
         pack_normal_map(scene),
+        pack_sobol(scene),
     )  # fmt: skip
     effects = (
         _empty_space(scene, medium),
@@ -100,6 +102,7 @@ def plan(scene: Scene) -> Plan:
         Effect("depth of field", lens is not None, lens_why),
         _background_effect(scene, result),
         _aov_effect(scene),
+        sampling_effect(result.sobol),
     )
     return Plan(scene, result, effects, _notes(voxels, tables))
 

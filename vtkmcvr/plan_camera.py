@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import packed
-from .camera import Camera, PixelFilter
+from .camera import Camera, Lens, PixelFilter
 from .pack import f32, matrix64, vector, vector64
 from .scene import Scene
 
@@ -17,7 +17,23 @@ FILTER_ENTRIES = 257
 
 def pack_camera(scene: Scene) -> packed.Camera:
     """Affine map from film positions in pixels to rays."""
+    vectors = _panorama_map(scene) if scene.camera.panorama else _window_map(scene)
+    origin, origin_x, origin_y, direction, direction_x, direction_y = map(vector64, vectors)
+    return packed.Camera(
+        origin, origin_x, origin_y, direction, direction_x, direction_y,
+        matrix64(np.linalg.inv(scene.volume.index_to_world[:3, :3])),
+        vector64((np.array(scene.volume.shape) - 1) / 2),
+        _filter_table(scene.pixel_filter),
+        _pack_panorama(scene.camera),
+        _pack_side_by_side(scene),
+    )  # fmt: skip
+
+
+def _window_map(scene: Scene) -> tuple[NDArray, ...]:
+    """Origin, its steps in x and y, direction, its steps; perspective or parallel."""
     camera, (width, height) = scene.camera, scene.size
+    if camera.stereo is not None and camera.stereo.eyes == "both":
+        width //= 2
     right, up, forward = camera.frame
     x_shift, y_shift = camera.window_centre
     # Film (x, y) in pixels -> view coordinates a = -1 + x_shift + 2 x / width, b = 1 + y_shift - 2
@@ -29,19 +45,55 @@ def pack_camera(scene: Scene) -> packed.Camera:
     across, along = right * extent * width / height, up * extent
     corner = (x_shift - 1) * across + (y_shift + 1) * along
     steps = (2 / width * across, -2 / height * along)
-    position = np.subtract(camera.position, scene.volume.centre)
+    aside, inward = _eye_shift(camera, "right" if _only_right(camera) else "left")
+    position = np.subtract(camera.position, scene.volume.centre) + aside
+    axis = forward + inward
     still = np.zeros(3)
     if camera.parallel_scale is None:
-        vectors = (position, still, still, forward + corner, *steps)
-    else:
-        vectors = (position + corner, *steps, forward, still, still)
-    origin, origin_x, origin_y, direction, direction_x, direction_y = map(vector64, vectors)
-    return packed.Camera(
-        origin, origin_x, origin_y, direction, direction_x, direction_y,
-        matrix64(np.linalg.inv(scene.volume.index_to_world[:3, :3])),
-        vector64((np.array(scene.volume.shape) - 1) / 2),
-        _filter_table(scene.pixel_filter),
+        return position, still, still, axis + corner, *steps
+    return position + corner, *steps, axis, still, still
+
+
+def _panorama_map(scene: Scene) -> tuple[NDArray, ...]:
+    """As `_window_map`, with (longitude, latitude, 0) as directions."""
+    width, height = scene.size
+    still = np.zeros(3)
+    return (
+        np.subtract(scene.camera.position, scene.volume.centre), still, still,
+        np.array((-math.pi, math.pi / 2, 0.0)),
+        np.array((2 * math.pi / width, 0.0, 0.0)),
+        np.array((0.0, -math.pi / height, 0.0)),
     )  # fmt: skip
+
+
+def _pack_panorama(camera: Camera) -> packed.Panorama | None:
+    return packed.Panorama(*map(vector64, camera.frame)) if camera.panorama else None
+
+
+def _only_right(camera: Camera) -> bool:
+    return camera.stereo is not None and camera.stereo.eyes == "right"
+
+
+def _eye_shift(camera: Camera, eye: str) -> tuple[NDArray, NDArray]:
+    """What an eye adds to origin and direction: a shear that keeps the plane of convergence."""
+    right, _, _ = camera.frame
+    if camera.stereo is None:
+        return np.zeros(3), np.zeros(3)
+    convergence = camera.stereo.convergence or camera.distance
+    slope = math.tan(math.radians(camera.stereo.angle) / 2) * (1 if eye == "right" else -1)
+    return slope * convergence * right, -slope * right
+
+
+def _pack_side_by_side(scene: Scene) -> packed.SideBySide | None:
+    camera = scene.camera
+    if camera.stereo is None or camera.stereo.eyes != "both":
+        return None
+    if scene.size[0] % 2:
+        raise ValueError(f"two eyes side by side need an even film width, got {scene.size[0]}")
+    left, right = _eye_shift(camera, "left"), _eye_shift(camera, "right")
+    return packed.SideBySide(
+        np.int64(scene.size[0] // 2), vector64(right[0] - left[0]), vector64(right[1] - left[1])
+    )
 
 
 def _filter_table(pixel_filter: PixelFilter) -> NDArray[np.float32]:
@@ -64,11 +116,21 @@ def pack_lens(camera: Camera) -> tuple[packed.Lens | None, str]:
         return None, "the camera has no lens: a pinhole"
     if camera.lens.radius == 0:
         return None, "aperture radius is 0: a pinhole"
-    if camera.parallel_scale is not None:
-        return None, "a parallel projection has no lens"
+    if camera.panorama:
+        return None, "a panorama has no lens"
     right, up, forward = camera.frame
     focus = camera.lens.focus_distance or camera.distance
     lens = packed.Lens(
-        f32(camera.lens.radius), f32(focus), vector(right), vector(up), vector(forward)
-    )
-    return lens, f"aperture radius {camera.lens.radius:g}, sharp at distance {focus:g}"
+        f32(camera.lens.radius), f32(focus), vector(right), vector(up), vector(forward),
+        _corners(camera.lens),
+    )  # fmt: skip
+    shape = f", {camera.lens.blades} blades" if camera.lens.blades else ""
+    return lens, f"aperture radius {camera.lens.radius:g}{shape}, sharp at distance {focus:g}"
+
+
+def _corners(lens: Lens) -> NDArray[np.float32] | None:
+    """Corners of a regular polygon, the first one again at the end; None: circular."""
+    if lens.blades == 0:
+        return None
+    angles = math.radians(90 + lens.rotation) + np.linspace(0, 2 * math.pi, lens.blades + 1)
+    return np.ascontiguousarray(np.stack([np.cos(angles), np.sin(angles)], axis=1), f32)

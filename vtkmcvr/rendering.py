@@ -70,7 +70,7 @@ def render_scene(
 
 def empty_film(planned: Plan) -> packed.Film:
     """Film without samples, with all that the scene asks for."""
-    return new_film(*planned.scene.size, planned.scene.aovs)
+    return new_film(*planned.scene.size, planned.packed.sobol, planned.scene.aovs)
 
 
 def continue_picture(

@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from . import checks
-from .camera import Camera, Lens, PixelFilter, Vector
+from .camera import Camera, Lens, PixelFilter, Stereo, Vector
 from .lights import ConstantEnvironment, EnvironmentMap, Light
 from .material import Surface, TransferFunction, TransferTable
 from .phases import Cone, HenyeyGreenstein, Isotropic, Phase, Rayleigh, Schlick
@@ -17,7 +17,7 @@ from .volume import Volume
 
 __all__ = [
     "Camera", "Cone", "HenyeyGreenstein", "Isotropic", "Lens", "PixelFilter", "Rayleigh", "Scene",
-    "Schlick", "Surface", "TransferFunction", "TransferTable", "Vector", "Volume",
+    "Schlick", "Stereo", "Surface", "TransferFunction", "TransferTable", "Vector", "Volume",
 ]  # fmt: skip
 
 ISOTROPIC = Isotropic()
@@ -75,6 +75,9 @@ class Scene:
     pixel_filter : PixelFilter
     aovs : sequence of {"albedo", "normal"}
         What the film also records of the first collision; a normal costs a gradient there.
+    sampler : {"sobol", "independent"}
+        How the leading random numbers of a path are drawn: spread evenly over the samples of a
+        pixel, in independent batches, or each on its own. Both are unbiased.
     """
 
     volume: Volume
@@ -94,6 +97,7 @@ class Scene:
     size: tuple[int, int] = (800, 600)
     pixel_filter: PixelFilter = field(default_factory=PixelFilter)
     aovs: tuple[str, ...] = ()
+    sampler: str = "sobol"
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "lights", tuple(self.lights))
@@ -104,6 +108,7 @@ class Scene:
         checks.number("shadow_reach", self.shadow_reach, least=0.0, finite=False)
         checks.choice("light_sampling", self.light_sampling, ("mis", "light", "scatter"))
         object.__setattr__(self, "aovs", known_aovs(self.aovs))
+        checks.choice("sampler", self.sampler, ("sobol", "independent"))
         width, height = self.size
         object.__setattr__(
             self,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -100,6 +100,33 @@ def view_camera(
     return Camera(
         tuple(position.tolist()), tuple(centre.tolist()), tuple(up.tolist()), min(angle, 170.0)
     )
+
+
+def projected(camera: Camera, projection: str) -> Camera:
+    """Camera with the same view in another projection.
+
+    Parameters
+    ----------
+    camera : Camera
+        Perspective.
+    projection : {"perspective", "parallel", "panorama"}
+        Parallel: the plane through the focal point keeps its size. Panorama: from the focal point,
+        with the view direction in the middle.
+    """
+    if projection == "perspective":
+        return camera
+    if projection == "parallel":
+        scale = camera.distance * math.tan(math.radians(camera.view_angle) / 2)
+        return replace(camera, parallel_scale=scale)
+    if projection == "panorama":
+        ahead = np.array(camera.focal_point) + camera.frame[2] * camera.distance
+        return replace(
+            camera,
+            position=camera.focal_point,
+            focal_point=tuple(ahead.tolist()),
+            panorama=True,
+        )
+    raise ValueError(f"projection is perspective, parallel or panorama; got {projection!r}")
 
 
 def _turn(forward: NDArray, up: NDArray, axis: NDArray, angle: float) -> tuple[NDArray, NDArray]:

@@ -7,26 +7,33 @@ import math
 import numpy as np
 from vtkmodules.vtkRenderingCore import vtkCamera
 
-from .scene import Camera, Lens, Volume
+from .scene import Camera, Lens, Stereo, Volume
 
 VIEW_ANGLE = 30.0
 
 
 def camera_of(
-    camera: vtkCamera, lens: Lens | None = None, *, aspect: float | None = None
+    camera: vtkCamera,
+    lens: Lens | None = None,
+    *,
+    aspect: float | None = None,
+    eyes: str | None = None,
 ) -> Camera:
     """Camera of a vtkCamera, perspective or parallel.
 
-    The clipping range is not used. Nor are focal disk and focal distance: the focal disk of a new
-    vtkCamera is 1, so that depth of field has to be asked for by `lens`.
+    The clipping range is not used. The focal distance of a new vtkCamera is 0, which means without
+    depth of field; above 0 the camera has a lens, as in VTK's ray tracers, of the diameter of the
+    focal disk.
 
     Parameters
     ----------
     camera : vtkCamera
     lens : Lens, optional
-        Depth of field. None: a pinhole.
+        Depth of field, instead of the camera's own.
     aspect : float, optional
         Width over height of the film; needed where the view angle is the horizontal one.
+    eyes : {"both", "left", "right"}, optional
+        Stereo view under the camera's eye angle.
 
     Returns
     -------
@@ -46,12 +53,29 @@ def camera_of(
         view_angle=_vertical_angle(camera, aspect),
         parallel_scale=camera.GetParallelScale() if parallel else None,
         window_centre=camera.GetWindowCenter(),
-        lens=lens,
+        lens=lens or lens_of(camera),
+        stereo=None if eyes is None else Stereo(eyes, camera.GetEyeAngle()),
     )
 
 
+def lens_of(camera: vtkCamera) -> Lens | None:
+    """Lens of a vtkCamera, or None where its focal distance is 0."""
+    distance = camera.GetFocalDistance()
+    if distance <= 0:
+        return None
+    return Lens(camera.GetFocalDisk() / 2, distance)
+
+
 def vtk_camera_of(camera: Camera) -> vtkCamera:
-    """Return a vtkCamera with the same view; the lens is left out."""
+    """Return a vtkCamera with the same view and lens; a polygonal aperture becomes circular.
+
+    Raises
+    ------
+    ValueError
+        For a panorama, which a vtkCamera cannot express.
+    """
+    if camera.panorama:
+        raise ValueError("a vtkCamera cannot express a panorama")
     result = vtkCamera()
     result.SetPosition(camera.position)
     result.SetFocalPoint(camera.focal_point)
@@ -61,6 +85,11 @@ def vtk_camera_of(camera: Camera) -> vtkCamera:
     if camera.parallel_scale is not None:
         result.ParallelProjectionOn()
         result.SetParallelScale(camera.parallel_scale)
+    if camera.lens is not None and camera.lens.radius > 0:
+        result.SetFocalDisk(2 * camera.lens.radius)
+        result.SetFocalDistance(camera.lens.focus_distance or camera.distance)
+    if camera.stereo is not None:
+        result.SetEyeAngle(camera.stereo.angle)
     return result
 
 

@@ -3,13 +3,15 @@ import math
 import numpy as np
 import pytest
 from scenes import frontal, medium, render, scene, slab, volume
+from scipy import stats
+from vtkmodules.vtkCommonTransforms import vtkPerspectiveTransform
 from vtkmodules.vtkRenderingCore import vtkCamera
 
 from vtkmcvr.kernels.camera import camera_ray, filtered_position
 from vtkmcvr.kernels.jit import entry_point
 from vtkmcvr.kernels.rng import start, uniform
 from vtkmcvr.plan import plan
-from vtkmcvr.scene import Camera, Lens, PixelFilter
+from vtkmcvr.scene import Camera, Lens, PixelFilter, Stereo
 
 f32 = np.float32
 SIZE = (320, 200)
@@ -123,8 +125,9 @@ def test_film_positions_follow_the_filter(kind, width, deviation, reach):
 # Lens
 
 
-def lens_camera(radius, focus=None):
-    return Camera((10, 0, -5), CENTRE, view_angle=90, lens=Lens(radius, focus_distance=focus))
+def lens_camera(radius, focus=None, **options):
+    lens = Lens(radius, focus, **options)
+    return Camera((10, 0, -5), CENTRE, view_angle=90, lens=lens)
 
 
 @pytest.mark.parametrize(("column", "row"), [(160, 100), (0, 0), (319, 150)])
@@ -183,3 +186,145 @@ def test_plate_in_the_focal_plane_is_sharp_to_the_corners():
 
     assert spread(4.0) > 0.4
     assert spread(2.5) < 0.2
+
+
+def test_parallel_projection_blurs_alike_all_over_the_film():
+    # The lens moves with the ray: the circle of confusion at depth z has radius a |z - f| / f
+    a, f, n, z = 0.8, 20.0, 5000, 30.0
+    camera = Camera((10, 0, -5), CENTRE, parallel_scale=8, lens=Lens(a, f))
+    p, lens = packed_camera(camera)
+    for column, row in ((160, 100), (0, 199)):
+        rays = draw_rays(p, lens, column, row, n)
+        middle = draw_rays(p, None, column, row, 1)[0]
+        # All rays start in the plane of the lens, which faces +y
+        at_z = rays[:, :3] + rays[:, 3:] * (z / rays[:, 4:5])
+        apart = np.linalg.norm(at_z - (middle[:3] + z * middle[3:]), axis=1)
+        radius = a * (z - f) / f
+        # The largest of n squares, uniform in [0, 1]: above 1 - 9 / n but for a chance of e^-9
+        assert radius * math.sqrt(1 - 9 / n) < apart.max() < radius + 1e-5 * z
+
+
+def aperture(blades, rotation, n=40_000):
+    """Points of a unit aperture, (right, up)."""
+    p, lens = packed_camera(lens_camera(1.0, 20.0, blades=blades, rotation=rotation))
+    rays = draw_rays(p, lens, 160, 100, n)
+    # The view is along +y with z up
+    return rays[:, [0, 2]] - np.array(p.origin)[[0, 2]]
+
+
+@pytest.mark.parametrize(("blades", "rotation"), [(3, 0.0), (5, 11.0), (6, -30.0), (64, 2.0)])
+def test_polygonal_aperture_is_evenly_filled(blades, rotation):
+    n = 40_000
+    points = aperture(blades, rotation, n)
+    angles = np.radians(90 + rotation + 360 / blades * (np.arange(blades) + 0.5))
+    normals = np.stack([np.cos(angles), np.sin(angles)])
+    apothem = math.cos(math.pi / blades)
+    outward = (points @ normals).max(axis=1) / apothem
+    assert outward.max() < 1 + 1e-5
+    # Uniform in area: the square of the size of the similar polygon through a point is uniform in
+    # [0, 1]; its mean lies within 4.5 standard errors of 1/2, its largest within 20 / n of 1
+    assert abs((outward**2).mean() - 0.5) < 4.5 / math.sqrt(12 * n)
+    assert (outward**2).max() > 1 - 20 / n
+    # As many points in each triangle: chi-square with blades - 1 degrees of freedom
+    counts = np.bincount((points @ normals).argmax(axis=1), minlength=blades)
+    statistic = ((counts - n / blades) ** 2 / (n / blades)).sum()
+    assert statistic < stats.chi2.ppf(1 - 1e-5, blades - 1)
+    # The area, by the share of points in a square that fits into the polygon
+    area = blades / 2 * math.sin(2 * math.pi / blades)
+    share = (np.abs(points) < 0.3).all(axis=1).mean()
+    assert abs(share - 0.36 / area) < 4.5 * math.sqrt(0.36 / area / n)
+
+
+def test_a_corner_of_the_aperture_is_on_top_and_turns_counter_clockwise():
+    assert aperture(3, 0.0)[:, 1].max() == pytest.approx(1, abs=0.02)
+    assert aperture(3, 0.0)[:, 1].min() == pytest.approx(-0.5, abs=1e-3)
+    assert aperture(3, 90.0)[:, 0].min() == pytest.approx(-1, abs=0.02)
+
+
+@pytest.mark.parametrize("blades", [1, 2, 65, -3, 2.5])
+def test_impossible_apertures_are_named(blades):
+    with pytest.raises(ValueError, match=r"lens\.blades"):
+        Lens(1.0, blades=blades)
+
+
+# Panorama
+
+
+def test_panorama_sees_every_direction_where_it_belongs():
+    camera = Camera((9, 17, -4), (11, 24, -6), (0, 1, 0.3), panorama=True)
+    p, _ = packed_camera(camera)
+    right, up, forward = camera.frame
+    width, height = SIZE
+    for column in (0, 40, 160, 240, 319):
+        for row in (0, 99, 199):
+            ray = draw_rays(p, None, column, row, 1)[0]
+            longitude = 2 * math.pi * ((column + 0.5) / width - 0.5)
+            latitude = math.pi * (0.5 - (row + 0.5) / height)
+            level = math.cos(latitude)
+            expected = (
+                level * math.cos(longitude) * forward
+                + level * math.sin(longitude) * right
+                + math.sin(latitude) * up
+            )
+            np.testing.assert_allclose(ray[3:], expected, atol=1e-6)
+            np.testing.assert_allclose(ray[:3] + CENTRE, camera.position, atol=1e-12)
+
+
+def test_panorama_goes_with_neither_lens_nor_parallel_nor_stereo():
+    _, lens = packed_camera(Camera((0, 0, 0), (0, 1, 0), lens=Lens(1.0), panorama=True))
+    assert lens is None
+    for other in ({"parallel_scale": 2.0}, {"stereo": Stereo()}):
+        with pytest.raises(ValueError, match=r"panorama or (parallel|stereo)"):
+            Camera((0, 0, 0), (0, 1, 0), panorama=True, **other)
+
+
+# Stereo
+
+
+def stereo_position(camera, points, right_eye, size):
+    """As `film_position`, with the stereo shear that VTK puts before its projection."""
+    view = vtkPerspectiveTransform()
+    aspect = size[0] / size[1]
+    if camera.parallel_scale is None:
+        view.Perspective(camera.view_angle, aspect, 0.1, 1000)
+    else:
+        h = camera.parallel_scale
+        view.Ortho(-h * aspect, h * aspect, -h, h, 0.1, 1000)
+    view.Stereo((1 if right_eye else -1) * camera.stereo.angle / 2, camera.distance)
+    view.SetupCamera(camera.position, camera.focal_point, camera.view_up)
+    m = view.GetMatrix()
+    m = np.array([[m.GetElement(i, j) for j in range(4)] for i in range(4)])
+    clip = np.c_[points, np.ones(len(points))] @ m.T
+    ndc = clip[:, :2] / clip[:, 3:]
+    return (ndc[:, 0] + 1) / 2 * size[0], (1 - ndc[:, 1]) / 2 * size[1]
+
+
+@pytest.mark.parametrize("scale", [None, 7.0], ids=["perspective", "parallel"])
+@pytest.mark.parametrize("eyes", ["left", "right", "both"])
+def test_eyes_are_those_of_vtk(eyes, scale):
+    camera = Camera(
+        (3, -40, 12), (9, 21, -4), view_angle=35, parallel_scale=scale, stereo=Stereo(eyes, 5.0)
+    )
+    p, _ = packed_camera(camera)
+    both = eyes == "both"
+    size = (SIZE[0] // 2, SIZE[1]) if both else SIZE
+    for right_eye in {"left": [False], "right": [True], "both": [False, True]}[eyes]:
+        for column, row in ((3, 7), (100, 150), (159, 199)):
+            shift = size[0] if both and right_eye else 0
+            o, d = np.hsplit(draw_rays(p, None, column + shift, row, 1)[0], 2)
+            points = o + np.array(CENTRE) + np.array([[20.0], [50.0], [90.0]]) * d
+            x, y = stereo_position(camera, points, right_eye, size)
+            # float32 direction over 90 units, in pixels
+            np.testing.assert_allclose(x, column + 0.5, atol=1e-2)
+            np.testing.assert_allclose(y, row + 0.5, atol=1e-2)
+
+
+def test_side_by_side_needs_an_even_width():
+    with pytest.raises(ValueError, match="even film width, got 33"):
+        packed_camera(Camera((0, -5, 0), (0, 0, 0), stereo=Stereo()), size=(33, 20))
+
+
+@pytest.mark.parametrize("bad", [{"eyes": "up"}, {"angle": 0.0}, {"convergence": -1.0}])
+def test_impossible_eyes_are_named(bad):
+    with pytest.raises(ValueError, match=f"stereo.{next(iter(bad))}"):
+        Stereo(**bad)

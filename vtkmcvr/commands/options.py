@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
+from .camera_options import add_camera_options
+
 
 def add_render_options(parser: argparse.ArgumentParser) -> None:
     """Everything that decides a picture."""
@@ -39,7 +41,7 @@ def add_render_options(parser: argparse.ArgumentParser) -> None:
     add("--shift", type=float, help="added to the values to get HU; default: detected")
     add("--series", help="series UID or number, where a DICOM folder holds several")
     add("--environment", metavar="MAP", help="light by this .hdr or .exr panorama instead")
-    add("--aperture", type=float, default=0.0, help="lens radius in world units; 0: all is sharp")
+    add_camera_options(parser)
     add("--bits", type=int, choices=(8, 16), default=8, help="of a .png")
     add("--denoise", choices=("knn", "oidn"), help="reduce noise, at a bias; the report says so")
     add("--aovs", action="store_true", help="also albedo and normal, in .exr, .vti and .npz")

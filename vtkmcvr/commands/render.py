@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .. import __version__
+from .camera_options import camera_options
 from .inputs import read_input
 from .options import add_render_options
 from .terminal import Bar, Interrupt, say_to, write_json
@@ -99,7 +100,7 @@ def _flipped(data: Any, axes: str | None) -> Any:
 
 
 def _scene_options(data: Any, args: argparse.Namespace) -> dict[str, Any]:
-    from ..front import View, scene_of
+    from ..front import View
 
     options: dict[str, Any] = {
         "preset": args.preset,
@@ -114,14 +115,7 @@ def _scene_options(data: Any, args: argparse.Namespace) -> dict[str, Any]:
         from ..lights import EnvironmentMap
 
         options["lights"] = [EnvironmentMap(read_environment(args.environment))]
-    if args.aperture:
-        from dataclasses import replace
-
-        from ..scene import Lens
-
-        camera = scene_of(data, **options).scene.camera
-        options["camera"] = replace(camera, lens=Lens(args.aperture))
-    return options
+    return camera_options(data, options, args)
 
 
 def _facts(picture: Picture) -> dict[str, Any]:

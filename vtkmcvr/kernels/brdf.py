@@ -11,7 +11,7 @@ import numpy as np
 
 from .grid import INFINITE, gradient
 from .jit import device
-from .rng import uniform
+from .rng import stratified, stratified_pair
 from .vec import BLACK, add, dot, from_basis, orthonormal_basis, scale, sub
 from .warp import INVERSE_PI, TWO_PI, cosine_hemisphere
 
@@ -54,7 +54,7 @@ def surface_event(surface, medium, p, sigma_t, wo, rng):
     """
     if surface is None:
         return False, NO_NORMAL, rng
-    rng, xi = uniform(rng)
+    rng, xi = stratified(rng)
     alpha = surface_opacity(surface, sigma_t)
     if xi >= surface_probability(surface, alpha, INFINITE):
         return False, NO_NORMAL, rng
@@ -212,11 +212,10 @@ def sample_brdf(gloss, n, wo, rng):
     Returns (wi, rng).
     """
     s, t = orthonormal_basis(n)
-    rng, u = uniform(rng)
-    rng, v = uniform(rng)
+    rng, u, v = stratified_pair(rng)
     if gloss is None:
         return from_basis(s, t, n, cosine_hemisphere(u, v)), rng
-    rng, lobe = uniform(rng)
+    rng, lobe = stratified(rng)
     if lobe < HALF:
         return from_basis(s, t, n, cosine_hemisphere(u, v)), rng
     cosine, sine = sample_microfacet(gloss, u)

@@ -4,10 +4,29 @@ import math
 
 import numpy as np
 
+from ..packed import BATCH
 from .camera import camera_ray
 from .jit import device, kernel
 from .path import radiance
-from .rng import start
+from .rng import start_path
+
+
+@device
+def close_batch(batches, row, column, n, mean):
+    """Update the moments of the batch means where sample n ends a batch.
+
+    The mean of all samples is that of all batch means, so that its step at the end of batch k,
+    times k, is the deviation of batch k from the mean before it (Welford 1962).
+    """
+    if batches is None:
+        return
+    k = n // BATCH
+    if k * BATCH != n:
+        return
+    for c in range(3):
+        step = mean[row, column, c] - batches.mean[row, column, c]
+        batches.mean[row, column, c] = mean[row, column, c]
+        batches.m2[row, column, c] += k * (k - 1.0) * step * step
 
 
 @device
@@ -23,6 +42,7 @@ def accumulate(film, row, column, L, hit, depth):
         delta = L[c] - film.mean[row, column, c]
         film.mean[row, column, c] += delta * weight
         film.m2[row, column, c] += delta * (L[c] - film.mean[row, column, c])
+    close_batch(film.batches, row, column, n, film.mean)
     if hit:
         hits = film.hits[row, column] + 1
         film.hits[row, column] = hits
@@ -46,7 +66,7 @@ def render_tile(film, scene, row_0, row_1, column_0, column_1, target, seed):
     for row in range(row_0, row_1):
         for column in range(column_0, column_1):
             for sample in range(film.count[row, column], target):
-                rng = start(seed, row * width + column, sample)
+                rng = start_path(scene.sobol, seed, row * width + column, sample)
                 origin, direction, rng = camera_ray(scene.camera, scene.lens, column, row, rng)
                 L, hit, depth, albedo, normal = radiance(scene, origin, direction, rng)
                 accumulate(film, row, column, L, hit, depth)

@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from .jit import device
-from .rng import uniform
+from .rng import stratified_pair
 from .vec import BLACK, transform
 from .warp import PI, TWO_PI
 
@@ -102,8 +102,7 @@ def cdf_index(cdf, u):
 def sample_environment(environment, rng):
     """Direction drawn by radiance. Returns (wi, radiance, density, rng)."""
     rows, columns, _ = environment.pixels.shape
-    rng, u = uniform(rng)
-    rng, v = uniform(rng)
+    rng, u, v = stratified_pair(rng)
     j, fy = cdf_index(environment.row_cdf, u)
     i, fx = cdf_index(environment.column_cdf[j], v)
     # Uniform in solid angle inside the texel

@@ -58,8 +58,8 @@ KERNEL = {
 def device(function: Callable):
     """Compile a function that only kernels call, on the CPU and (re-compiled) on CUDA.
 
-    It gets no wrapper for Python, which takes as long to compile as the function itself; a test
-    calls it through a kernel or `entry_point` of its own.
+    It gets no wrapper for Python, which takes as long to compile as the function itself. A call
+    from Python would crash; a test goes through a kernel or `entry_point` of its own.
     """
     return _cached(njit(forceinline=True, no_cpython_wrapper=True, **KERNEL)(function))
 

@@ -12,7 +12,7 @@ import numpy as np
 from .environment import sample_environment
 from .grid import INFINITE
 from .jit import device
-from .rng import uniform
+from .rng import stratified, stratified_pair
 from .vec import BLACK, at, dot, normalize, scale, sub
 
 f32 = np.float32
@@ -122,7 +122,7 @@ def light_chance(choice, i, x, on_surface, normal):
 @device
 def choose_light(choice, x, on_surface, normal, rng):
     """One light by estimated contribution. Returns (index, probability, rng)."""
-    rng, u = uniform(rng)
+    rng, u = stratified(rng)
     n = len(choice.weight)
     total = ZERO
     for k in range(n):
@@ -151,8 +151,7 @@ def rectangle_pdf(rectangles, chance, index, wi, distance):
 @device
 def sample_rectangle(rectangles, i, chance, x, rng):
     """Uniform point of the rectangle, seen from x."""
-    rng, u = uniform(rng)
-    rng, v = uniform(rng)
+    rng, u, v = stratified_pair(rng)
     corner = row(rectangles.corner, i)
     point = at(at(corner, row(rectangles.edge_u, i), u), row(rectangles.edge_v, i), v)
     toward = sub(point, x)

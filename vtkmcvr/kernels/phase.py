@@ -13,7 +13,7 @@ import math
 import numpy as np
 
 from .jit import device
-from .rng import uniform
+from .rng import stratified_pair
 from .vec import add, dot, from_basis, orthonormal_basis, scale
 from .warp import INVERSE_4PI, TWO_PI, uniform_sphere
 
@@ -67,8 +67,7 @@ def from_peak(phase, u):
 @device
 def sample_phase(phase, wo, rng):
     """Direction with density `phase_value`. Returns (wi, rng)."""
-    rng, u = uniform(rng)
-    rng, v = uniform(rng)
+    rng, u, v = stratified_pair(rng)
     if phase is None:
         return uniform_sphere(u, v), rng
     x = min(from_peak(phase, u), TWO)

@@ -11,7 +11,7 @@ import numpy as np
 
 from .grid import INFINITE
 from .jit import device
-from .rng import exponential, uniform
+from .rng import exponential, stratified_exponential, uniform
 from .transfer import classify
 from .vec import at
 
@@ -74,7 +74,7 @@ def walk(medium, transfer, o, d, length, ratio, rng):
 
     t = ZERO
     T = ONE
-    rng, tau = exponential(rng)
+    rng, tau = stratified_exponential(rng)
     while True:
         sigma_maj = majorant[index(cz), index(cy), index(cx)]
         # Empty cube: leap to its end
