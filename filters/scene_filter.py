@@ -11,7 +11,7 @@ from vtkmodules.vtkRenderingCore import vtkCamera, vtkLightCollection, vtkVolume
 
 from vtkmcvr import checks
 from vtkmcvr.lights import ConstantEnvironment, EnvironmentMap, Light
-from vtkmcvr.scene import Camera, Lens, PixelFilter, Scene
+from vtkmcvr.scene import Camera, Lens, PixelFilter, Scene, known_aovs
 from vtkmcvr.vtk_lights import members
 from vtkmcvr.vtk_scene import (
     VolumeCache,
@@ -78,9 +78,21 @@ class SceneFilter(ImageFilter):
         0.5, lambda v: checks.number("gradient_factor", v, least=0.0, most=1.0),
         "How much of the volume is surfaces where the property has shading on, [0, 1].",
     )  # fmt: skip
+    scattering = Parameter(
+        "single", lambda v: checks.choice("scattering", v, ("single", "multiple")),
+        '"single": one scattering event between light and camera; "multiple": many.',
+    )  # fmt: skip
+    max_scatterings = Parameter(
+        None, optional(lambda v: checks.whole("max_scatterings", v, least=1)),
+        'Most events of "multiple", >= 1. None: no limit.',
+    )  # fmt: skip
     pixel_filter = Parameter(
         PixelFilter(), one_of("pixel_filter", PixelFilter), "Reconstruction filter of the film."
     )
+    aovs = Parameter(
+        (), known_aovs,
+        'Some of "albedo" and "normal", which the film then records of first collisions.',
+    )  # fmt: skip
 
     def __init__(self, **settings: Any) -> None:
         self._volumes = VolumeCache()
@@ -122,8 +134,11 @@ class SceneFilter(ImageFilter):
             self._scene_lights(camera),
             look.surface,
             phase_of(self.volume_property),
+            scattering=self.scattering,
+            max_scatterings=self.max_scatterings if self.scattering == "multiple" else None,
             size=self.film_size,
             pixel_filter=self.pixel_filter,
+            aovs=self.aovs,
         )
 
     def _scene_lights(self, camera: Camera) -> tuple[Light, ...]:

@@ -20,13 +20,22 @@ _HOME = {
     "render": "front",
     "scene_of": "front",
     "render_scene": "rendering",
+    "replay": "replay",
+    "read_recipe": "recipe_files",
     "Picture": "picture",
+    "DenoisedPicture": "denoised_picture",
     "Display": "picture",
     "read_environment": "environment_files",
     "Scene": "scene",
     "Volume": "scene",
     "TransferFunction": "scene",
+    "TransferTable": "scene",
     "Surface": "scene",
+    "Isotropic": "scene",
+    "HenyeyGreenstein": "scene",
+    "Schlick": "scene",
+    "Rayleigh": "scene",
+    "Cone": "scene",
     "Camera": "scene",
     "Lens": "scene",
     "Stereo": "scene",
@@ -47,6 +56,7 @@ __all__ = ["__version__", *_HOME]
 
 if TYPE_CHECKING:
     from .curves import ColourCurve, Curve
+    from .denoised_picture import DenoisedPicture
     from .environment_files import read_environment
     from .focus import autofocus
     from .front import render, scene_of
@@ -60,15 +70,23 @@ if TYPE_CHECKING:
     from .phantom import head_phantom
     from .picture import Display, Picture
     from .readers import read
+    from .recipe_files import read_recipe
     from .rendering import render_scene
+    from .replay import replay
     from .scene import (
         Camera,
+        Cone,
+        HenyeyGreenstein,
+        Isotropic,
         Lens,
         PixelFilter,
+        Rayleigh,
         Scene,
+        Schlick,
         Stereo,
         Surface,
         TransferFunction,
+        TransferTable,
         Volume,
     )
     from .studio import view_camera

@@ -9,11 +9,18 @@ from . import packed
 from .material import SURFACE_MODES, Surface
 from .pack import f32, matrix, vector
 from .scene import Scene
-from .tables import Tables
+from .tables import Tables, varying
 from .voxels import Voxels
 
 # Distance over which any extinction is opaque: an opacity of 1 for everything
 EVERYWHERE = 1e30
+
+
+def pack_normal_map(scene: Scene) -> packed.NormalMap | None:
+    """What the film needs to record normals, or None where nobody asked for them."""
+    if "normal" not in scene.aovs:
+        return None
+    return packed.NormalMap(matrix(world_from_index_gradient(scene)))
 
 
 def pack_surface(
@@ -56,12 +63,17 @@ def _why(surface: Surface) -> str:
 
 
 def _gloss(surface: Surface, tables: Tables) -> tuple[packed.Gloss | None, str]:
-    specular = np.array(surface.specular) if tables.specular is None else tables.specular
-    if specular.max() == 0:
+    specular, exponent = np.array(surface.specular), surface.exponent
+    if tables.specular is not None:
+        if tables.specular.max() == 0:
+            return None, "specular reflectance is 0: Lambert"
+        specular = tables.specular[0]
+    elif specular.max() == 0:
         return None, "specular reflectance is 0: Lambert"
-    gloss = packed.Gloss(
-        vector(np.array(surface.specular)), f32(surface.exponent), np.bool_(surface.coat == "ggx")
-    )
-    exponent = "by the scalar" if tables.exponent is not None else f"{surface.exponent:g}"
+    words = f"{exponent:g}"
+    if tables.exponent is not None:
+        exponent = float(tables.exponent[0])
+        words = f"{exponent:g}" if varying(tables.exponent) is None else "by the scalar"
+    gloss = packed.Gloss(vector(specular), f32(exponent), np.bool_(surface.coat == "ggx"))
     name = "GGX" if surface.coat == "ggx" else "Blinn"
-    return gloss, f"Fresnel blend, {name} exponent {exponent}"
+    return gloss, f"Fresnel blend, {name} exponent {words}"

@@ -10,7 +10,7 @@ from .material import TransferFunction
 from .pack import f32, matrix
 from .plan_surface import world_from_index_gradient
 from .scene import Scene
-from .tables import Tables, column_positions, extinction_of, limited, row_positions
+from .tables import Tables, column_positions, extinction_of, limited, row_positions, varying
 from .voxels import Voxels
 
 GRADIENT_ENTRIES = 2048
@@ -19,8 +19,8 @@ BORDER = 1.75
 
 
 def pack_transfer(scene: Scene, voxels: Voxels, tables: Tables) -> packed.Transfer:
-    """Tables that the scene's surfaces and phase function can ask for."""
-    phase_varies, surfaces = tables.g is not None, scene.surface is not None
+    """Tables of the channels that vary and that the scene's surfaces can ask for."""
+    surfaces = scene.surface is not None
     return packed.Transfer(
         sigma_t=tables.sigma_t,
         colour=tables.colour,
@@ -30,9 +30,9 @@ def pack_transfer(scene: Scene, voxels: Voxels, tables: Tables) -> packed.Transf
         table_2d=_table_2d(scene, voxels),
         colour_grid=_colour_grid(voxels),
         emission=tables.emission,
-        specular=tables.specular if surfaces else None,
-        exponent=tables.exponent if surfaces else None,
-        phase=tables.g if phase_varies else None,
+        specular=varying(tables.specular) if surfaces else None,
+        exponent=varying(tables.exponent) if surfaces else None,
+        phase=varying(tables.g),
     )
 
 

@@ -11,8 +11,8 @@ from .scene import Scene
 
 # Throughput below which Russian roulette may end a path of multiple scattering
 ROULETTE = 0.25
-# A path without a limit ends here, so that none loops forever: at a depth of 1000 mean free paths
-# and an albedo of 1, fewer than one in a million gets this far
+# A path without a limit ends here, so that none loops forever: in a slab of 1000 mean free paths of
+# albedo 1 a share of exp(-33) gets this far; the light of longer paths is lost
 UNLIMITED = 10**7
 # Shortest step of a march, in voxel edges
 FINEST_STEP = 1e-3

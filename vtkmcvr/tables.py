@@ -117,6 +117,11 @@ def limited(
     return _table(np.minimum(sigma_t, ceiling)), bool((sigma_t > ceiling).any())
 
 
+def varying(table: NDArray[np.float32] | None) -> NDArray[np.float32] | None:
+    """The table of a channel, or None where one number says it all."""
+    return None if table is None or (table == table[0]).all() else table
+
+
 def _table(values: NDArray) -> NDArray[np.float32]:
     return np.ascontiguousarray(values, np.float32)
 

@@ -103,7 +103,7 @@ def _prepare(raw: NDArray, rgb: NDArray | None) -> Voxels:
     integer = values.dtype.kind in "iu"
     colours = None
     if rgb is not None:
-        colours = tuple(rgb[..., channel].copy() for channel in range(3))
+        colours = (rgb[..., 0].copy(), rgb[..., 1].copy(), rgb[..., 2].copy())
     return Voxels(values, offset, low, high, integer, cell, lowest, highest, colours, not_finite)
 
 

@@ -49,13 +49,12 @@ def transfer_of(
         Where the property has what is not supported yet, or a function has no nodes.
     """
     _refuse_unsupported(volume_property)
-    common = {
-        "unit_distance": volume_property.GetScalarOpacityUnitDistance(component),
-        "density_scale": volume_property.GetComponentWeight(component),
-    }
+    unit_distance = volume_property.GetScalarOpacityUnitDistance(component)
+    weight = volume_property.GetComponentWeight(component)
     if volume_property.GetTransferFunctionMode() == vtkVolumeProperty.TF_2D:
         function = volume_property.GetTransferFunction2D(component)
-        return TransferFunction(table=transfer_table(function, scalar_range), **common)
+        table = transfer_table(function, scalar_range)
+        return TransferFunction(table=table, unit_distance=unit_distance, density_scale=weight)
     # Asking for the other kind of colour would switch the property to it
     if volume_property.GetColorChannels(component) == RGB_CHANNELS:
         colour = colour_curve(volume_property.GetRGBTransferFunction(component))
@@ -64,8 +63,9 @@ def transfer_of(
     return TransferFunction(
         opacity_curve(volume_property.GetScalarOpacity(component)),
         colour,
+        unit_distance=unit_distance,
+        density_scale=weight,
         gradient_opacity=_gradient_opacity(volume_property, component),
-        **common,
     )
 
 

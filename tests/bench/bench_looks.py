@@ -21,7 +21,7 @@ CELL_EDGES = (2, 3, 4, 6, 8)
 
 
 def variants(scene):
-    """The scene, and the scene without one of its effects each time."""
+    """The scene, the scene without one of its effects each time, and with another transport."""
     lights = scene.lights
     area = tuple(x for x in lights if isinstance(x, vtkmcvr.RectangleLight))
     return {
@@ -32,6 +32,8 @@ def variants(scene):
         "no surfaces": replace(scene, surface=None),
         "environment only": replace(scene, lights=tuple(x for x in lights if x not in area)),
         "area lights only": replace(scene, lights=area),
+        "multiple scattering": replace(scene, scattering="multiple"),
+        "one global majorant": replace(scene, estimator="woodcock"),
         "no lights": replace(scene, lights=()),
         "no lights, no surfaces": replace(scene, lights=(), surface=None),
     }

@@ -181,10 +181,33 @@ def test_lens_surface_phase_and_camera_reach_the_scene():
     assert scene.surface.gradient_factor == 0.3
     assert scene.phase == HenyeyGreenstein(-0.5)
     assert scene.camera.lens == Lens(2.0)
+    assert (scene.scattering, scene.max_scatterings) == ("single", None)
     assert scene.size == (40, 20)
     own = Camera((0, 0, 9), (0, 0, 0), view_up=(0, 1, 0))
     assert scene_of(camera=own).camera is own
     assert scene_of(camera=own, lens=Lens(1.0)).camera.lens == Lens(1.0)
+
+
+def test_order_of_scattering_reaches_the_scene():
+    scene = scene_of(scattering="multiple", max_scatterings=5)
+    assert (scene.scattering, scene.max_scatterings) == ("multiple", 5)
+    assert scene_of(max_scatterings=5).max_scatterings is None
+
+
+def test_gradient_opacity_and_dependent_colours_reach_the_scene():
+    volume_property = vtkVolumeProperty()
+    volume_property.GetGradientOpacity().AddPoint(10, 0.5)
+    assert scene_of(volume_property=volume_property).transfer.gradient_opacity is not None
+    rgba = np.zeros((3, 3, 3, 4), np.uint8)
+    rgba[..., 1], rgba[..., 3] = 200, 9
+    image = image_of(np.zeros((3, 3, 3), np.uint8))
+    image.GetPointData().SetScalars(numpy_to_vtk(rgba.reshape(-1, 4), deep=True))
+    with pytest.raises(ValueError, match=r"4 independent components.*IndependentComponentsOff"):
+        MonteCarloFilter().scene(image)
+    volume_property.IndependentComponentsOff()
+    volume = MonteCarloFilter(volume_property=volume_property).scene(image).volume
+    assert volume.values.max() == 9
+    assert volume.colours[1, 1, 1].tolist() == [0, 200, 0]
 
 
 def test_scalars_are_chosen_by_name():

@@ -104,6 +104,8 @@ def test_properties_have_twins_in_vtks_style(pipeline):
         ("lights", [vtkCamera()], TypeError),
         ("ambient", (-1, 0, 0), ValueError),
         ("gradient_factor", 2, ValueError),
+        ("scattering", "none", ValueError),
+        ("max_scatterings", 0, ValueError),
         ("pixel_filter", "box", TypeError),
     ],
 )

@@ -78,12 +78,20 @@ def on_hemisphere(cosine, phi):
     return np.stack([sine * np.cos(phi), sine * np.sin(phi), cosine], -1)
 
 
+def half_vector_cosine(coat, u):
+    """Cosine of the half vector as each coat draws it."""
+    e = float(coat.exponent)
+    if not coat.ggx:
+        return u ** (1 / (e + 1))
+    return np.sqrt((1 - u) / (1 - u + 2 / (e + 2) * u))
+
+
 def directional_albedo(coat, diffuse, wo):
     """Integral of the BRDF times cosine, by quadrature warped to each lobe (balance heuristic)."""
     u = grid()
     phi = 2 * np.pi * u[:, 1]
     body = on_hemisphere(np.sqrt(u[:, 0]), phi)
-    h = on_hemisphere(u[:, 0] ** (1 / (float(coat.exponent) + 1)), phi)
+    h = on_hemisphere(half_vector_cosine(coat, u[:, 0]), phi)
     o = np.array(wo, np.float64)
     lobe = 2 * (h @ o)[:, None] * h - o
     total = np.zeros(3)
@@ -107,7 +115,11 @@ def reference(coat, diffuse, wo, wi):
     h, cos_h = h / length, length[..., 0] / 2
     # log of h_z next to 1, from its sine
     log_nh = 0.5 * np.log1p(-np.minimum(h[..., 0] ** 2 + h[..., 1] ** 2, 1 - 1e-300))
-    d = (e + 2) / (2 * math.pi) * np.exp(e * log_nh)
+    if coat.ggx:
+        a, sine_2 = 2 / (e + 2), h[..., 0] ** 2 + h[..., 1] ** 2
+        d = a / math.pi / (a * (1 - sine_2) + sine_2) ** 2
+    else:
+        d = (e + 2) / (2 * math.pi) * np.exp(e * log_nh)
     fresnel = rs + (1 - rs) * ((1 - cos_h) ** 5)[..., None]
     body = 28 / (23 * math.pi) * (1 - (1 - cos_i / 2) ** 5) * (1 - (1 - cos_o / 2) ** 5)
     coat_part = fresnel * (d / (4 * cos_h * np.maximum(cos_i, cos_o)))[..., None]
@@ -121,13 +133,14 @@ def test_fresnel_blend_has_its_known_albedo(theta, expected):
     assert albedo == pytest.approx([expected] * 3, abs=0.005)
 
 
+@pytest.mark.parametrize("ggx", [False, True])
 @pytest.mark.parametrize("exponent", [0.0, 1.0, 10.0, 1e2, 1e4, 1e6])
-def test_no_surface_reflects_more_than_arrives(exponent):
+def test_no_surface_reflects_more_than_arrives(exponent, ggx):
     for specular in (1e-3, 0.04, 0.5, 1.0):
         for diffuse in (0.0, 0.5, 1.0):
             for theta in (0, 20, 45, 70, 85, 89, 89.99):
                 albedo = directional_albedo(
-                    gloss(specular, exponent), colour(diffuse), direction(theta)
+                    gloss(specular, exponent, ggx), colour(diffuse), direction(theta)
                 )
                 assert (albedo > 0).all()
                 # 1e-3 for float32 and the quadrature
@@ -143,10 +156,11 @@ def test_lambert_reflects_its_colour():
         )
 
 
+@pytest.mark.parametrize("ggx", [False, True])
 @pytest.mark.parametrize("exponent", EXPONENTS)
-def test_reciprocity(exponent):
+def test_reciprocity(exponent, ggx):
     # f_r(a, b) = f_r(b, a), to 1e-5 (of value / cosine)
-    coat, diffuse = gloss((0.04, 0.3, 1.0), exponent), colour((1.0, 0.5, 0.1))
+    coat, diffuse = gloss((0.04, 0.3, 1.0), exponent, ggx), colour((1.0, 0.5, 0.1))
     rng = np.random.default_rng(2)
     cosines = np.concatenate([rng.random(150), 10.0 ** rng.uniform(-4, 0, 50)])
     d = on_hemisphere(cosines, 2 * np.pi * rng.random(200)).astype(f32)
@@ -160,10 +174,11 @@ def test_reciprocity(exponent):
             np.testing.assert_allclose(there, back, rtol=1e-5, atol=1e-30)
 
 
+@pytest.mark.parametrize("ggx", [False, True])
 @pytest.mark.parametrize("exponent", EXPONENTS)
 @pytest.mark.parametrize("theta", [0, 45, 89, 89.99])
-def test_fresnel_blend_is_its_formula(theta, exponent):
-    coat, diffuse = gloss((0.04, 0.5, 1.0), exponent), colour((1.0, 0.2, 0.0))
+def test_fresnel_blend_is_its_formula(theta, exponent, ggx):
+    coat, diffuse = gloss((0.04, 0.5, 1.0), exponent, ggx), colour((1.0, 0.2, 0.0))
     wo = direction(theta)
     mirror = np.array(wo) * [-1, -1, 1]
     rng = np.random.default_rng(3)

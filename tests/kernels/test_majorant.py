@@ -14,7 +14,7 @@ from vtkmcvr.kernels.majorant import mark_empty_cubes, range_maxima
 from vtkmcvr.kernels.transfer import extinction
 from vtkmcvr.lights import ConstantEnvironment
 from vtkmcvr.plan import plan
-from vtkmcvr.scene import Camera, TransferFunction
+from vtkmcvr.scene import Camera, Cone, HenyeyGreenstein, Rayleigh, Schlick, TransferFunction
 from vtkmcvr.voxels import SMALLEST_CELL as CELL
 
 f32 = np.float32
@@ -204,3 +204,11 @@ def test_quantities_compile_nothing():
     read_only = np.ones((4, 4, 4), np.float32)
     read_only.flags.writeable = False
     assert before == signatures(volume(read_only))
+    assert before == signatures(estimator="woodcock")
+    assert before == signatures(scattering="multiple", max_scatterings=1)
+    assert before == signatures(phase=HenyeyGreenstein(0.0))
+    # Which phase function, and how many events, are quantities too
+    lit.update(scattering="multiple", phase=Rayleigh())
+    before = signatures()
+    for phase in (HenyeyGreenstein(0.5), Schlick(-0.3), Cone(20)):
+        assert before == signatures(phase=phase, max_scatterings=7)

@@ -296,7 +296,7 @@ def henyey_greenstein(g):
 
 
 def other_phase(phase):
-    return pack_phase(phase, False)[0]
+    return pack_phase(phase)[0]
 
 
 # With the mean cosine between the directions of propagation

@@ -55,17 +55,18 @@ def load_scene(path: str | os.PathLike[str], *, ratio_tracking: bool = True) -> 
     """
     path = Path(path)
     spec = json.loads(path.read_text())
-    if spec.get("max_depth", 2) != 2:
-        raise ValueError(
-            f"max_depth: only 2 (single scattering) can be expressed, got {spec['max_depth']}"
-        )
     sigma_t = _extinction(_find(spec["sigma_t"], path))
+    albedo, colours = _albedo(spec["albedo"], path)
+    # Mitsuba counts the last segment, to the light
+    depth = spec.get("max_depth", 2)
     return Scene(
-        Volume(sigma_t, _index_to_world(spec)),
-        _transfer(sigma_t, spec["albedo"]),
+        Volume(sigma_t, _index_to_world(spec), colours),
+        _transfer(sigma_t, albedo),
         _camera(spec["camera"]),
         lights=tuple(_light(item, path) for item in spec["lights"]),
         phase=HenyeyGreenstein(spec["phase"]["g"]),
+        scattering="single" if depth == 2 else "multiple",
+        max_scatterings=None if depth == -1 else depth - 1,
         environment_visible=True,
         ratio_tracking=ratio_tracking,
         size=tuple(spec["size"]),
@@ -92,10 +93,18 @@ def _index_to_world(spec: Spec) -> NDArray[np.float64]:
     return matrix
 
 
-def _transfer(sigma_t: NDArray[np.float32], albedo: object) -> TransferFunction:
+def _albedo(albedo: object, scene: Path) -> tuple[float, NDArray[np.float32] | None]:
+    """A number; or a grid of colours at the points, and any number."""
+    if isinstance(albedo, int | float):
+        return albedo, None
+    grid = np.load(_find(str(albedo), scene)).astype(np.float32)
+    if grid.ndim == 3:
+        grid = grid[..., None]
+    return 1.0, np.ascontiguousarray(np.broadcast_to(grid, (*grid.shape[:3], 3)))
+
+
+def _transfer(sigma_t: NDArray[np.float32], albedo: float) -> TransferFunction:
     """Extinction is the scalar itself."""
-    if not isinstance(albedo, int | float):
-        raise ValueError(f"albedo: only a number can be expressed, got {albedo!r}")
     low, high = float(sigma_t.min()), float(sigma_t.max())
     nodes = ((low, low), (high, high)) if high > low else ((low, low),)
     return TransferFunction(
