@@ -20,6 +20,9 @@ _HOME = {
     "render": "front",
     "scene_of": "front",
     "render_scene": "rendering",
+    "estimate": "prediction",
+    "study": "costs.study",
+    "write_report": "report",
     "replay": "replay",
     "read_recipe": "recipe_files",
     "Picture": "picture",
@@ -55,6 +58,7 @@ _HOME = {
 __all__ = ["__version__", *_HOME]
 
 if TYPE_CHECKING:
+    from .costs.study import study
     from .curves import ColourCurve, Curve
     from .denoised_picture import DenoisedPicture
     from .environment_files import read_environment
@@ -69,10 +73,12 @@ if TYPE_CHECKING:
     )
     from .phantom import head_phantom
     from .picture import Display, Picture
+    from .prediction import estimate
     from .readers import read
     from .recipe_files import read_recipe
     from .rendering import render_scene
     from .replay import replay
+    from .report import write_report
     from .scene import (
         Camera,
         Cone,

@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from . import checks, schedule
+from . import checks, packed, schedule
 from .accuracy import image_error, samples_for
-from .film import new_film
 from .plan import Plan, plan
+from .rendering import empty_film
 from .scene import Scene
 from .schedule import StopRules
 
-# Below this many samples a variance is a guess
-LEAST_SAMPLES = 16
+# Four batches of even samples: with less, how even they are can't be told
+LEAST_SAMPLES = 4 * packed.BATCH
 # The pilot's seed, so that it shares no random number with the picture that follows
 PILOT_SEED = 0x70696C6F74
 
@@ -39,7 +39,7 @@ class Estimate:
     memory : int
         Bytes of volume, tables and film while rendering.
     pilot : dict
-        Samples, seconds and NRMS of the pilot.
+        Samples, size, seconds and NRMS of the pilot.
     """
 
     nrms: float
@@ -49,7 +49,7 @@ class Estimate:
     seconds: float | None
     memory: int
     threads: int
-    pilot: dict[str, float | int | None]
+    pilot: dict[str, Any]
 
     def facts(self) -> dict[str, Any]:
         """As plain JSON values."""
@@ -80,7 +80,8 @@ def estimate(
     nrms : float
         Target error, > 0.
     pilot_seconds : float
-        Time for the pilot, > 0; it takes at least 16 samples per pixel.
+        Time for the pilot, > 0. It takes 64 samples per pixel or more, of fewer and larger pixels
+        where that would take longer.
     threads : int, optional
         Default: all CPUs that the process may use.
 
@@ -93,28 +94,47 @@ def estimate(
     threads = schedule.default_threads() if threads is None else threads
     checks.whole("threads", threads, least=1)
     planned = scene if isinstance(scene, Plan) else plan(scene)
-    film = new_film(*planned.scene.size)
-    spent = 0.0
-    for rules in (StopRules(LEAST_SAMPLES, None, None), StopRules(None, pilot_seconds, None)):
-        if spent < pilot_seconds:
-            _, seconds = schedule.run(planned.packed, film, rules, PILOT_SEED, threads)
-            spent += seconds
-    error = image_error(film)
-    count = float(film.count.mean())
+    film = empty_film(planned)
     memory = sum(array.nbytes for array in _arrays((planned.packed, film)))
-    pilot = {"samples": int(count), "seconds": spent, "nrms": _finite(error.nrms)}
+    film, spent = _pilot(planned, film, pilot_seconds, threads)
+    error = image_error(film)
+    count = int(film.count.min())
+    pilot = {
+        "samples": count,
+        "size": list(film.count.shape[::-1]),
+        "seconds": spent,
+        "nrms": error.nrms if math.isfinite(error.nrms) else None,
+    }
     if not error.bright or not math.isfinite(error.nrms):
         return Estimate(nrms, None, None, None, None, memory, threads, pilot)
     samples, low, high = (
         max(1, math.ceil(samples_for(e, count, nrms))) if math.isfinite(e) else None
         for e in (error.nrms, error.low, error.high)
     )
-    seconds = samples_for(error.nrms, count, nrms) * spent / count
+    width, height = planned.scene.size
+    pixels = width * height / film.count.size
+    seconds = samples_for(error.nrms, count, nrms) * pixels * spent / count
     return Estimate(nrms, samples, low, high, seconds, memory, threads, pilot)
 
 
-def _finite(x: float) -> float | None:
-    return x if math.isfinite(x) else None
+def _pilot(
+    planned: Plan, film: packed.Film, seconds: float, threads: int
+) -> tuple[packed.Film, float]:
+    """Render for a time, in fewer pixels where so many samples would take longer."""
+    once = StopRules(1, None, None)
+    _, spent = schedule.run(planned.packed, film, once, PILOT_SEED, threads)
+    shrink = math.sqrt(LEAST_SAMPLES * spent / seconds)
+    if shrink > 1:
+        width, height = planned.scene.size
+        size = max(1, round(width / shrink)), max(1, round(height / shrink))
+        planned = plan(replace(planned.scene, size=size))
+    film = empty_film(planned)
+    spent = 0.0
+    for rules in (StopRules(LEAST_SAMPLES, None, None), StopRules(None, seconds, None)):
+        if spent < seconds:
+            _, more = schedule.run(planned.packed, film, rules, PILOT_SEED, threads)
+            spent += more
+    return film, spent
 
 
 def _arrays(part: object) -> Iterator[np.ndarray]:

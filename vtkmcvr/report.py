@@ -1,4 +1,4 @@
-"""One page about one picture: what it shows, how wrong it is, what was simulated and what it cost."""
+"""One page about one picture: how wrong it is, what was simulated and why, what it cost."""
 
 from __future__ import annotations
 
@@ -59,8 +59,7 @@ def write_report(
     Path
     """
     target = Path(path)
-    if target.suffix.lower() not in (".html", ".htm"):
-        raise ValueError(f"a report is saved as .html; got {target.name!r}")
+    check_report(target)
     parts = [
         _head(picture), _pictures(picture), _effects(picture), _costs(costs), _recipe(picture),
     ]  # fmt: skip
@@ -72,6 +71,12 @@ def write_report(
     with replacing(target, ".html") as temporary:
         temporary.write_text(page, encoding="utf-8")
     return target
+
+
+def check_report(path: str | os.PathLike | None) -> None:
+    """Refuse a path, where one is given, that is no .html file."""
+    if path is not None and Path(path).suffix.lower() not in (".html", ".htm"):
+        raise ValueError(f"a report is saved as .html; got {Path(path).name!r}")
 
 
 def error_map(picture: Picture) -> NDArray[np.uint8]:
@@ -91,7 +96,9 @@ def _head(picture: Picture) -> str:
     if not error.bright:
         known = "black: no path has found light"
     elif math.isfinite(error.high):
-        known = f"error (NRMS) {error.nrms:.2%}, 95 % sure between {error.low:.2%} and {error.high:.2%}"
+        known = (
+            f"error (NRMS) {error.nrms:.2%}, 95 % sure between {error.low:.2%} and {error.high:.2%}"
+        )
     else:
         known = "error not known: too few samples"
     return (

@@ -46,7 +46,7 @@ def _cost(args: argparse.Namespace) -> int:
     data = flipped(data, args.flip)
     scene = scene_of(data, **scene_options(data, args)).scene
     stop = Interrupt()
-    with stop, Bar(args.quiet, "measuring") as bar:
+    with stop, Bar(args.quiet) as bar:
         found = study(
             scene, args.budget, folder=args.output, threads=args.threads, abort=stop.is_set,
             progress=lambda done, of, name: bar.show(done / of, name),

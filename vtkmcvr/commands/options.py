@@ -8,14 +8,11 @@ from typing import Any
 from .camera_options import add_camera_options
 
 
-def add_render_options(parser: argparse.ArgumentParser) -> None:
-    """Everything that decides a picture."""
+def add_scene_options(parser: argparse.ArgumentParser) -> None:
+    """Everything that decides what is seen."""
     add = parser.add_argument
     add("--preset", help="look; see `vtkmcvr presets`. Default: chosen from the values")
     add("--size", type=_size, default=(800, 600), metavar="WxH", help="pixels, default 800x600")
-    add("--samples", type=int, help="samples per pixel, default 64")
-    add("--seconds", type=float, help="time to render; with --samples, whichever is met first")
-    add("--seed", type=int, default=0)
     add("--threads", type=int, help="default: all CPUs of the process")
     add(
         "--view", default="front", help="front back left right top bottom: side of the patient seen"
@@ -24,14 +21,6 @@ def add_render_options(parser: argparse.ArgumentParser) -> None:
     add("--elevation", type=float, default=0.0, help="degrees up")
     add("--roll", type=float, default=0.0, help="degrees clockwise")
     add("--zoom", type=float, default=1.0)
-    add("--exposure", type=float, help="stops; default: the look's")
-    add(
-        "--background",
-        type=_background,
-        default="preset",
-        metavar="COLOUR",
-        help="transparent, or sRGB as #rrggbb",
-    )
     add(
         "--flip",
         metavar="AXES",
@@ -42,11 +31,35 @@ def add_render_options(parser: argparse.ArgumentParser) -> None:
     add("--series", help="series UID or number, where a DICOM folder holds several")
     add("--environment", metavar="MAP", help="light by this .hdr or .exr panorama instead")
     add_camera_options(parser)
+    add("--quiet", action="store_true", help="no progress and no report")
+
+
+def add_render_options(parser: argparse.ArgumentParser) -> None:
+    """Everything that decides a picture."""
+    add_scene_options(parser)
+    add = parser.add_argument
+    add("--samples", type=int, help="samples per pixel, default 64")
+    add("--seconds", type=float, help="time to render; the first limit that is met ends the render")
+    add("--nrms", type=float, help="error to reach, such as 0.02")
+    add("--seed", type=int, default=0)
+    add("--exposure", type=float, help="stops; default: the look's")
+    add(
+        "--background",
+        type=_background,
+        default="preset",
+        metavar="COLOUR",
+        help="transparent, or sRGB as #rrggbb",
+    )
     add("--bits", type=int, choices=(8, 16), default=8, help="of a .png")
     add("--denoise", choices=("knn", "oidn"), help="reduce noise, at a bias; the report says so")
     add("--aovs", action="store_true", help="also albedo and normal, in .exr, .vti and .npz")
+    add(
+        "--dry-run",
+        action="store_true",
+        help="predict samples, time and memory for --nrms (0.01) from a short pilot; no picture",
+    )
+    add("--report", metavar="FILE", help="page about the picture, its error and its cost: .html")
     add("--json", metavar="FILE", help="what was measured")
-    add("--quiet", action="store_true", help="no progress and no report")
 
 
 def _size(text: str) -> tuple[int, int]:

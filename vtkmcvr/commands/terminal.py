@@ -73,6 +73,14 @@ class Bar:
             self.task = self.rich.add_task("rendering", total=1.0)
         return self
 
+    def show(self, fraction: float, text: str) -> None:
+        """Show a share of the work and what is being done."""
+        if self.rich is not None:
+            self.rich.update(self.task, completed=fraction, description=text)
+        elif self.on and time.monotonic() - self.last > 0.2:
+            self.last = time.monotonic()
+            print(f"\r{text} {fraction:4.0%}", end="", file=sys.stderr, flush=True)
+
     def __exit__(self, *_: object) -> None:
         if self.rich is not None:
             self.rich.stop()
@@ -81,9 +89,5 @@ class Bar:
 
     def __call__(self, progress: Any) -> None:
         """Show how far it is."""
-        if self.rich is not None:
-            text = f"{progress.samples} samples"
-            self.rich.update(self.task, completed=progress.fraction, description=text)
-        elif self.on and time.monotonic() - self.last > 0.2:
-            self.last = time.monotonic()
-            print(f"\rrendering {progress.fraction:4.0%}", end="", file=sys.stderr, flush=True)
+        text = f"{progress.samples} samples" if self.rich is not None else "rendering"
+        self.show(progress.fraction, text)

@@ -37,7 +37,9 @@ class EffectCost:
     change: float
 
 
-def effect_costs(scene: Scene, seconds: float = 2.0, threads: int | None = None) -> list[EffectCost]:
+def effect_costs(
+    scene: Scene, seconds: float = 2.0, threads: int | None = None
+) -> list[EffectCost]:
     """Render the scene without each of its effects for a time, and compare.
 
     Parameters

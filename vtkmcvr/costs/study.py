@@ -16,8 +16,8 @@ import numpy as np
 
 from .. import __version__, checks, schedule
 from ..plan import Plan, plan
-from ..scene import Scene
 from ..safe_files import replacing
+from ..scene import Scene
 from ..serialise import to_plain
 from . import summary
 from .ladder import Reference, climb, make_reference, plain

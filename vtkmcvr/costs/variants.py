@@ -9,11 +9,13 @@ from dataclasses import dataclass, replace
 from numpy.typing import NDArray
 
 from .. import denoise
-from ..lights import ConstantEnvironment, EnvironmentMap
+from ..lights import ConstantEnvironment, DirectionalLight, EnvironmentMap, PointLight
 from ..phases import Isotropic
 from ..picture import Picture
 from ..scene import Scene
 
+# Lights that no scattered ray can meet
+DELTA = (DirectionalLight, PointLight)
 SKIES = (ConstantEnvironment, EnvironmentMap)
 
 # Against the scene as it is: equal in the mean; a bias of the method; another model of light
@@ -92,11 +94,13 @@ def _effects_off(scene: Scene) -> Iterator[Variant]:
 
 
 def _denoisers(scene: Scene) -> Iterator[Variant]:
-    """Error after denoising; guided by the picture's own auxiliary channels where it has them."""
+    """Error after denoising; a trained one is guided by albedo and normal."""
+    guided = replace(scene, aovs=("albedo", "normal"))
     for method in denoise.available():
         yield Variant(
-            "denoiser", method, BIAS, scene, lambda picture, m=method: picture.denoised(m).radiance
-        )
+            "denoiser", method, BIAS, guided if method == "oidn" else scene,
+            lambda picture, m=method: picture.denoised(m).radiance,
+        )  # fmt: skip
 
 
 def _samplers(scene: Scene) -> Iterator[Variant]:
@@ -108,7 +112,7 @@ def _samplers(scene: Scene) -> Iterator[Variant]:
 def _light_sampling(scene: Scene) -> Iterator[Variant]:
     if scene.light_sampling == "mis" and scene.lights:
         for how, name in (("light", "by lights only"), ("scatter", "by scattering only")):
-            if how == "light" or any(light.can_be_met for light in scene.lights):
+            if how == "light" or not all(isinstance(light, DELTA) for light in scene.lights):
                 yield Variant("directions", name, SAME, replace(scene, light_sampling=how))
 
 
