@@ -64,15 +64,44 @@ def build_tree(leaves: list[Leaf]) -> packed.LightTree:
 
 
 def _cluster(nodes: list[_Node]) -> _Node:
-    """Halve lights of one law along the axis where they lie, or point, farthest apart."""
+    """Binary tree of lights of one law."""
     if len(nodes) == 1:
         return nodes[0]
+    order, cut = _best_split(nodes)
+    return _join(_cluster([nodes[i] for i in order[:cut]]), _cluster([nodes[i] for i in order[cut:]]))
+
+
+def _best_split(nodes: list[_Node]) -> tuple[NDArray, int]:
+    """Order along an axis and where to cut it.
+
+    The cost of a half is its flux times the squared size of the box around it, as in a surface area
+    heuristic. No more than 7/8 of many lights stay together, so that the tree is not deep.
+    """
     distant = nodes[0].bounds.law == DISTANT
     places = np.array([n.bounds.axis if distant else n.bounds.centre for n in nodes])
-    axis = int(np.argmax(np.ptp(places, axis=0)))
-    order = np.argsort(places[:, axis], kind="stable")
-    half = len(nodes) // 2
-    return _join(_cluster([nodes[i] for i in order[:half]]), _cluster([nodes[i] for i in order[half:]]))
+    radii = np.array([max(n.bounds.radius, 0.0) for n in nodes])[:, None]
+    flux = np.array([n.bounds.flux for n in nodes])
+    flux += 1e-6 * flux.sum() + 1e-30
+    count = len(nodes)
+    allowed = np.arange(1, count)[max(count // 8 - 1, 0) : count - max(count // 8, 1)]
+    found: list[tuple[float, int, NDArray]] = []
+    for axis in range(3):
+        order = np.argsort(places[:, axis], kind="stable")
+        left = _costs(places[order], radii[order], flux[order])
+        right = _costs(places[order[::-1]], radii[order[::-1]], flux[order[::-1]])[::-1]
+        costs = left[allowed - 1] + right[allowed]
+        # Where all lie in one place, halves are as good as anything
+        k = int(np.lexsort((abs(allowed - count / 2), costs))[0])
+        found.append((float(costs[k]), int(allowed[k]), order))
+    _, cut, order = min(found, key=lambda split: split[0])
+    return order, cut
+
+
+def _costs(places: NDArray, radii: NDArray, flux: NDArray) -> NDArray:
+    """Cost of the first 1, 2, ... lights as a cluster."""
+    low = np.minimum.accumulate(places - radii)
+    high = np.maximum.accumulate(places + radii)
+    return np.cumsum(flux) * np.sum((high - low) ** 2, axis=1)
 
 
 def _join(a: _Node, b: _Node) -> _Node:

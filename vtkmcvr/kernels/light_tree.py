@@ -14,11 +14,13 @@ from .rng import stratified
 from .vec import dot, scale, sub
 
 f32, i64 = np.float32, np.int64
-ZERO, HALF, ONE = f32(0.0), f32(0.5), f32(1.0)
+ZERO, HALF, ONE, TWO = f32(0.0), f32(0.5), f32(1.0), f32(2.0)
 # How the flux of a cluster becomes irradiance: falls off with the square of the distance; is the
 # same everywhere, from a place or from a direction; comes from all around
 DECAYING, STEADY, DISTANT, AROUND = 0, 1, 2, 3
 BEYOND, PARENT, LIGHT = 0, 1, 2
+# Share of the choice that ignores the estimates, so that a bad one costs no more than tenfold
+EVEN_SHARE = f32(0.1)
 # Cosines are bounded up to rounding; what is barely in reach keeps a small chance
 SLACK, LEAST_COSINE = f32(-1e-3), f32(0.02)
 
@@ -54,10 +56,11 @@ def importance(tree, k, x, on_surface, normal):
         toward = sub((tree.bound[k, 0], tree.bound[k, 1], tree.bound[k, 2]), x)
         radius = tree.bound[k, 3]
         square = dot(toward, toward)
-        if law == DECAYING:
-            flux /= max(square, max(radius * radius, f32(1e-30)))
         if square <= radius * radius:
-            return flux
+            # Somewhere around x: 1/d^2 has its mean between 1.5 and 3 times 1/r^2
+            return TWO * flux / (radius * radius) if law == DECAYING else flux
+        if law == DECAYING:
+            flux /= square
         away = math.sqrt(square)
         toward = scale(toward, ONE / away)
         sin_b = radius / away
@@ -90,11 +93,30 @@ def first_share(tree, k, x, on_surface, normal):
     return first / (first + second) if first + second > ZERO else -ONE
 
 
+@leaf
+def light_chance(tree, i, x, on_surface, normal):
+    """Probability with which `choose_light` takes light i."""
+    if tree is None:
+        return ZERO
+    k, chance = i64(tree.leaf[i]), ONE - EVEN_SHARE
+    while k > 0:
+        parent = i64(tree.links[k, PARENT])
+        share = first_share(tree, parent, x, on_surface, normal)
+        chance *= max(share, ZERO) if k == parent + 1 else ONE - abs(share)
+        k = parent
+    return chance + EVEN_SHARE / f32(len(tree.leaf))
+
+
 @device
 def choose_light(tree, x, on_surface, normal, rng):
     """One light by estimated contribution. Returns (index, probability or 0, rng)."""
     rng, u = stratified(rng)
-    k, chance = i64(0), ONE
+    n = len(tree.leaf)
+    if u < EVEN_SHARE:
+        i = min(i64(u / EVEN_SHARE * f32(n)), i64(n - 1))
+        return i, light_chance(tree, i, x, on_surface, normal), rng
+    u = (u - EVEN_SHARE) / (ONE - EVEN_SHARE)
+    k, chance = i64(0), ONE - EVEN_SHARE
     while tree.links[k, LIGHT] < 0:
         share = first_share(tree, k, x, on_surface, normal)
         if share < ZERO:
@@ -108,23 +130,7 @@ def choose_light(tree, x, on_surface, normal, rng):
             k = i64(tree.links[k + 1, BEYOND])
             chance *= ONE - share
             u = (u - share) / (ONE - share)
-    return i64(tree.links[k, LIGHT]), chance, rng
-
-
-@device
-def light_chance(tree, i, x, on_surface, normal):
-    """Probability with which `choose_light` takes light i."""
-    if tree is None:
-        return ZERO
-    k, chance = i64(tree.leaf[i]), ONE
-    while k > 0:
-        parent = i64(tree.links[k, PARENT])
-        share = first_share(tree, parent, x, on_surface, normal)
-        if share < ZERO:
-            return ZERO
-        chance *= share if k == parent + 1 else ONE - share
-        k = parent
-    return chance
+    return i64(tree.links[k, LIGHT]), chance + EVEN_SHARE / f32(n), rng
 
 
 @device

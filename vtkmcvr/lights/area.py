@@ -297,7 +297,7 @@ class CylinderLight(AreaLight):
     def frame(self) -> tuple[NDArray, NDArray, NDArray]:
         """Right-handed unit vectors, the last one from start to end."""
         along = np.subtract(self.end, self.start)
-        return frame_along(np.array(checks.direction("axis", along)), (0.0, 0.0, 1.0))
+        return frame_along(np.array(checks.direction("axis", along)), (0.0, 1.0, 0.0))
 
     @property
     def patches(self) -> tuple[Patch, ...]:
