@@ -261,9 +261,10 @@ class AreaLights(NamedTuple):
     size: NDArray[np.float32]  # (n, 3)
     radiance: NDArray[np.float32]  # (n, 3)
     two_sided: NDArray[np.bool_]  # (n,)
-    visible: NDArray[np.bool_]  # (n,) seen by camera rays
+    visible: NDArray[np.bool_]  # (n,) camera rays see it
     shapes: Shapes
     textures: LightTextures | None
+    seen: Present | None  # some are visible
 
 
 class DeltaLights(NamedTuple):

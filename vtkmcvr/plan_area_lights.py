@@ -77,6 +77,7 @@ def pack_area_lights(emitters: list[Emitter], volume: Volume) -> packed.AreaLigh
         np.array([emitter.visible for emitter in emitters], np.bool_),
         shapes,
         _textures(emitters),
+        _present(sum(emitter.visible for emitter in emitters)),
     )
 
 

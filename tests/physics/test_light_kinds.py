@@ -27,7 +27,7 @@ from vtkmcvr.lights import (
     headlight,
     softbox,
 )
-from vtkmcvr.scene import Surface
+from vtkmcvr.scene import HenyeyGreenstein, Surface
 
 CENTRE = np.array((12.0, -7.0, 3.0))
 BLOB = blob(centre=CENTRE)
@@ -71,8 +71,8 @@ KINDS = {
     "camera light": CameraLight(DiskLight((0.2, 0.1, 0.6), (0, 0, 0), 0.1)),
 }
 LOBES = {
-    "isotropic": {"phase_g": 0.002},
-    "forward": {"phase_g": 0.8},
+    "isotropic": {"phase": HenyeyGreenstein(0.002)},
+    "forward": {"phase": HenyeyGreenstein(0.8)},
     "diffuse": {"surface": Surface(always=True, specular=1e-6, exponent=1.0)},
     "glossy": {"surface": Surface(always=True, specular=0.3, exponent=60.0)},
 }
@@ -82,7 +82,9 @@ def lit(*lights, seed=1, samples=64, dark=DARK_ONES, **options):
     present = {type(light) for light in lights}
     environments = (GradientEnvironment, EnvironmentMap)
     dark = [one for one in dark if type(one) not in present or type(one) not in environments]
-    settings = {"surface": Surface(gradient_factor=1e-3), "phase_g": 0.3, "size": (16, 16)}
+    settings = {
+        "surface": Surface(gradient_factor=1e-3), "phase": HenyeyGreenstein(0.3), "size": (16, 16),
+    }  # fmt: skip
     return render(scene(BLOB, lights=(*lights, *dark), **{**settings, **options}), samples, seed)
 
 

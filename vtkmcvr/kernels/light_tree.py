@@ -93,7 +93,7 @@ def first_share(tree, k, x, on_surface, normal):
     return first / (first + second) if first + second > ZERO else -ONE
 
 
-@leaf
+@device
 def light_chance(tree, i, x, on_surface, normal):
     """Probability with which `choose_light` takes light i."""
     if tree is None:

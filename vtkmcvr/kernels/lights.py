@@ -97,6 +97,22 @@ def nearest_light(tree, lights, o, d, for_camera):
 
 
 @device
+def nearest_visible(seen, tree, lights, o, d):
+    """First area light that a camera ray sees: (index or -1, distance or INFINITE)."""
+    if seen is None:
+        return i64(-1), INFINITE
+    return nearest_light(tree, lights, o, d, True)
+
+
+@device
+def light_seen(tree, lights, o, d):
+    """`nearest_visible`, or nothing in a scene without area lights."""
+    if lights is None:
+        return i64(-1), INFINITE
+    return nearest_visible(lights.seen, tree, lights, o, d)
+
+
+@device
 def blocked(tree, lights, x, light):
     """Whether an area light is in the way of a light sample."""
     if lights is None or tree is None:

@@ -11,7 +11,7 @@ from .direct import light_by_light, light_by_scatter, light_met
 from .environment import ambient_radiance, environment_radiance
 from .grid import box_interval
 from .jit import device, glue
-from .lights import area_light_radiance, nearest_light
+from .lights import area_light_radiance, light_seen
 from .rng import uniform
 from .scatter import sample_scatter, scatter_weight, vertex_at
 from .tracking import sample_collision
@@ -106,7 +106,7 @@ def radiance(scene, origin, d, rng):
     d_index = transform(camera.index_from_world, d_wide)
     enter, leave = box_interval(o_index, d_index, medium.active_lo, medium.active_hi)
     enter = max(enter, 0.0)
-    index, distance = nearest_light(scene.light_tree, scene.area_lights, narrow(origin), d, True)
+    index, distance = light_seen(scene.light_tree, scene.area_lights, narrow(origin), d)
     length = f32(min(leave, f64(distance)) - enter)
     if not length > ZERO:
         return background(scene, origin, d, index, distance), False, 0.0, BLACK, NO_NORMAL
