@@ -230,7 +230,7 @@ class Environment(NamedTuple):
 class Present(NamedTuple):
     """Marks that the scene has something; None where it has not."""
 
-    count: np.int32
+    number: np.int32
 
 
 class Shapes(NamedTuple):

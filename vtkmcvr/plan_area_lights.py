@@ -95,7 +95,9 @@ def _textures(emitters: list[Emitter]) -> packed.LightTextures | None:
     used = list(dict.fromkeys(e.texture for e in emitters if e.texture is not None))
     if not used:
         return None
-    starts = np.cumsum([0, *(texture.pixels.shape[0] * texture.pixels.shape[1] for texture in used)])
+    starts = np.cumsum(
+        [0, *(texture.pixels.shape[0] * texture.pixels.shape[1] for texture in used)]
+    )
     rows = {t: (first, *t.pixels.shape[:2]) for t, first in zip(used, starts[:-1], strict=True)}
     layout = [(0, 0, 0) if e.texture is None else rows[e.texture] for e in emitters]
     return packed.LightTextures(
@@ -107,7 +109,9 @@ def _textures(emitters: list[Emitter]) -> packed.LightTextures | None:
 def area_leaf(emitter: Emitter, centre: NDArray) -> Leaf:
     """Bounds of one surface for the light tree."""
     patch = emitter.patch
-    colour = emitter.radiance if emitter.texture is None else emitter.radiance * emitter.texture.mean
+    colour = (
+        emitter.radiance if emitter.texture is None else emitter.radiance * emitter.texture.mean
+    )
     around = emitter.two_sided or not patch.flat
     return Leaf(
         DECAYING,

@@ -68,7 +68,9 @@ def _cluster(nodes: list[_Node]) -> _Node:
     if len(nodes) == 1:
         return nodes[0]
     order, cut = _best_split(nodes)
-    return _join(_cluster([nodes[i] for i in order[:cut]]), _cluster([nodes[i] for i in order[cut:]]))
+    return _join(
+        _cluster([nodes[i] for i in order[:cut]]), _cluster([nodes[i] for i in order[cut:]])
+    )
 
 
 def _best_split(nodes: list[_Node]) -> tuple[NDArray, int]:

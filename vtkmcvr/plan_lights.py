@@ -247,9 +247,7 @@ def _delta_leaf(light: Light, scene: Scene) -> Leaf:
     )
 
 
-def _choice(
-    leaves: list[Leaf], has_map: bool, light_sampling: str
-) -> packed.LightChoice | None:
+def _choice(leaves: list[Leaf], has_map: bool, light_sampling: str) -> packed.LightChoice | None:
     if not any(leaf.flux > 0 for leaf in leaves):
         return None
     return packed.LightChoice(

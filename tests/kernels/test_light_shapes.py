@@ -126,7 +126,10 @@ def test_integrals_over_what_is_seen(name, x, sphere):
     assert hidden > 0.01 if name == "two-sided cylinder" else hidden < 2e-4
     weight = np.where(seen, 1 / np.maximum(drawn[:, 7], 1e-30), 0)
     shining = meet(PACKED, NAMES.index(name), point(*x), sphere)[:, 1] > 0
-    for g in (lambda d: 1 + 0 * d[:, 0], *(lambda d, k=k: d[:, k] ** 2 + d[:, k] for k in range(3))):
+    for g in (
+        lambda d: 1 + 0 * d[:, 0],
+        *(lambda d, k=k: d[:, k] ** 2 + d[:, k] for k in range(3)),
+    ):
         ours, even = g(drawn[:, :3]) * weight, g(sphere) * shining * 4 * math.pi
         error = math.hypot(ours.std() / math.sqrt(N), even.std() / math.sqrt(len(even)))
         # 64 comparisons: chance exceeds 5.2 once in 1e5 choices of seeds

@@ -38,29 +38,31 @@ f32 = np.float32
 SEED = np.int64(3)
 
 
+def light_of_kind(k, place, target, size, L):
+    return [
+        lambda: RectangleLight(place, target, (size, 2 * size), L),
+        lambda: RectangleLight(place, target, (size, size), L, two_sided=True),
+        lambda: DiskLight(place, target, size, L),
+        lambda: SphereLight(place, size, L),
+        lambda: CylinderLight(place, target, size, L),
+        lambda: BoxLight(place, (size, size, size), L),
+        lambda: PointLight(place, L),
+        lambda: PointLight(place, L, (1, 0, 0)),
+        lambda: PointLight(place, L, direction=target, cone_angle=25),
+        lambda: PointLight(place, L, direction=target, cone_angle=70, exponent=3),
+        lambda: DirectionalLight(target, L),
+        lambda: RectangleLight(place, target, (size, size), 0.0),
+    ][k % 12]()
+
+
 def many_lights(n=40, seed=2):
     """Lights of every kind around and inside the volume, of very different brightness."""
     rng = np.random.default_rng(seed)
     lights = [EnvironmentMap(rng.random((2, 3, 3)))]
-    for i in range(n):
+    for k in range(n):
         place, target = rng.normal(size=3) * rng.choice([0.5, 3, 30]), rng.normal(size=3)
         size, L = rng.uniform(0.05, 1), float(rng.choice([0.1, 1, 50]))
-        lights.append(
-            [
-                lambda: RectangleLight(place, target, (size, 2 * size), L),
-                lambda: RectangleLight(place, target, (size, size), L, two_sided=True),
-                lambda: DiskLight(place, target, size, L),
-                lambda: SphereLight(place, size, L),
-                lambda: CylinderLight(place, target, size, L),
-                lambda: BoxLight(place, (size, size, size), L),
-                lambda: PointLight(place, L),
-                lambda: PointLight(place, L, (1, 0, 0)),
-                lambda: PointLight(place, L, direction=target, cone_angle=25),
-                lambda: PointLight(place, L, direction=target, cone_angle=70, exponent=3),
-                lambda: DirectionalLight(target, L),
-                lambda: RectangleLight(place, target, (size, size), 0.0),
-            ][i % 12]()
-        )
+        lights.append(light_of_kind(k, place, target, size, L))
     return lights
 
 

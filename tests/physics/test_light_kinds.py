@@ -73,8 +73,8 @@ KINDS = {
 LOBES = {
     "isotropic": {"phase": HenyeyGreenstein(0.002)},
     "forward": {"phase": HenyeyGreenstein(0.8)},
-    "diffuse": {"surface": Surface(always=True, specular=1e-6, exponent=1.0)},
-    "glossy": {"surface": Surface(always=True, specular=0.3, exponent=60.0)},
+    "diffuse": {"surface": Surface(mode="brdf", specular=1e-6, exponent=1.0)},
+    "glossy": {"surface": Surface(mode="brdf", specular=0.3, exponent=60.0)},
 }
 
 
@@ -174,7 +174,10 @@ def test_one_light_of_many_patches(how):
 
 def test_sphere_around_the_scene_is_a_constant_environment():
     sphere = SphereLight(near(0, 0, 0), 50.0, 0.7, two_sided=True)
-    one, other = lit(sphere, seed=8, samples=256), lit(ConstantEnvironment(0.7), seed=9, samples=256)
+    one, other = (
+        lit(sphere, seed=8, samples=256),
+        lit(ConstantEnvironment(0.7), seed=9, samples=256),
+    )
     assert abs(z_score(one, other)) < 4.7
 
 
@@ -200,7 +203,7 @@ def test_headlight_follows_the_camera():
         (SphereLight(near(-1, -2.5, 0), 0.6, 2.5, visible=True), 2.5),
         (SphereLight(near(-1, -2.5, 0), 0.6, 2.5), None),
         (BoxLight(near(-1, -2.5, 0), (1, 1, 1), 2.5, visible=True), 2.5),
-        (DiskLight(near(-1, -2.5, 0), CENTRE + (-1, 9, 0), 0.6, 2.5, visible=True), 0.0),
+        (DiskLight(near(-1, -2.5, 0), near(-1, 9, 0), 0.6, 2.5, visible=True), 0.0),
         (CylinderLight(near(-1, -2, -1), near(-1, -2, 1), 0.6, 2.5, visible=True), 2.5),
     ],
 )

@@ -38,7 +38,7 @@ def texture_factor(textures, i, kind, size, o, d, distance):
     s, t = texture_position(kind, size, at(o, d, distance))
     x = min(max(s, ZERO), ONE) * f32(columns) - HALF
     y = min(max(t * f32(rows) - HALF, ZERO), f32(rows - 1))
-    column, r0 = int(math.floor(x)), int(y)
+    column, r0 = math.floor(x), int(y)
     fx, fy = x - f32(column), y - f32(r0)
     # What closes around the axis has no left and right end
     closed = kind == SPHERE or kind == CYLINDER

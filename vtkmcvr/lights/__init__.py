@@ -3,8 +3,8 @@
 from .area import AreaLight, BoxLight, CylinderLight, DiskLight, RectangleLight, SphereLight
 from .attached import CameraLight, headlight
 from .base import Light
-from .blackbody import blackbody
 from .distant import ConstantEnvironment, DirectionalLight, EnvironmentMap, GradientEnvironment
+from .planck import blackbody
 from .point import PointLight
 from .texture import Texture, checkerboard, softbox
 from .units import irradiance_at, power_of, with_irradiance, with_power, with_vtk_intensity

@@ -67,12 +67,12 @@ class Patch(NamedTuple):
 
     def quadrature(self, n: int = 64) -> tuple[NDArray, NDArray, NDArray]:
         """Points (n^2, 3), normals (n^2, 3) and areas (n^2,) of a midpoint rule over the patch."""
-        s, t = np.meshgrid((np.arange(n) + 0.5) / n, (np.arange(n) + 0.5) / n)
-        s, t = s.ravel(), t.ravel()
+        middles = (np.arange(n) + 0.5) / n
+        s, t = np.tile(middles, n), np.repeat(middles, n)
         a, b, h = self.size
         phi = 2 * math.pi * s
-        up, round_ = np.tile((0.0, 0.0, 1.0), (n * n, 1)), np.zeros((n * n, 3))
-        round_[:, 0], round_[:, 1] = np.cos(phi), np.sin(phi)
+        up: NDArray = np.tile((0.0, 0.0, 1.0), (n * n, 1))
+        round_ = np.stack([np.cos(phi), np.sin(phi), 0 * phi], 1)
         if self.kind == "rectangle":
             local, normal = np.stack([(2 * s - 1) * a, (2 * t - 1) * b, 0 * s], 1), up
         elif self.kind == "disk":

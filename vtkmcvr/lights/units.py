@@ -32,7 +32,8 @@ def power_of(light: Light) -> NDArray[np.float64]:
         For other lights, and for points whose light does not fall off with the square of the
         distance: their power is not finite.
     """
-    return np.array(light.brightness) * _power_of_unit(light)
+    of_unit = _power_of_unit(light)
+    return of_unit * light.brightness
 
 
 def with_power(light: L, power: Any) -> L:
@@ -54,7 +55,8 @@ def irradiance_at(light: Light, place: Any, normal: Any = None) -> NDArray[np.fl
         Normal of the surface. Default: it faces the middle of the light.
     """
     place = np.array(checks.vector("place", place))
-    return np.array(light.brightness) * _irradiance_of_unit(light, place, normal)
+    of_unit = _irradiance_of_unit(light, place, normal)
+    return of_unit * light.brightness
 
 
 def with_irradiance(light: L, irradiance: Any, place: Any, normal: Any = None) -> L:
