@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
+from .denoise import DenoiseFilter
 from .monte_carlo import MonteCarloFilter
 from .tone_map import ToneMapFilter
 
-__all__ = ["MonteCarloFilter", "ToneMapFilter"]
+__all__ = ["DenoiseFilter", "MonteCarloFilter", "ToneMapFilter"]

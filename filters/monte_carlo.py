@@ -24,7 +24,7 @@ class MonteCarloFilter(SceneFilter):
 
     Input: vtkImageData with one component. Output: vtkImageData of the film's size with the float32
     point arrays "radiance" (active; linear RGB premultiplied by alpha, and alpha), "depth" (world
-    units, inf beside the volume) and "standard_error" (of RGB).
+    units, inf beside the volume) and "standard_error" (of RGB), and those named by `aovs`.
 
     Rays are traced when a value that matters has changed. A new clipping range or time stamp, or a
     light that moved along with the camera, hand out the picture that is there.

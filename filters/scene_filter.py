@@ -11,7 +11,7 @@ from vtkmodules.vtkRenderingCore import vtkCamera, vtkLightCollection, vtkVolume
 
 from vtkmcvr import checks
 from vtkmcvr.lights import ConstantEnvironment, EnvironmentMap, Light
-from vtkmcvr.scene import Camera, Lens, PixelFilter, Scene
+from vtkmcvr.scene import Camera, Lens, PixelFilter, Scene, known_aovs
 from vtkmcvr.vtk_lights import members
 from vtkmcvr.vtk_scene import (
     VolumeCache,
@@ -89,6 +89,10 @@ class SceneFilter(ImageFilter):
     pixel_filter = Parameter(
         PixelFilter(), one_of("pixel_filter", PixelFilter), "Reconstruction filter of the film."
     )
+    aovs = Parameter(
+        (), known_aovs,
+        'Some of "albedo" and "normal", which the film then records of first collisions.',
+    )  # fmt: skip
 
     def __init__(self, **settings: Any) -> None:
         self._volumes = VolumeCache()
@@ -134,6 +138,7 @@ class SceneFilter(ImageFilter):
             max_scatterings=self.max_scatterings if self.scattering == "multiple" else None,
             size=self.film_size,
             pixel_filter=self.pixel_filter,
+            aovs=self.aovs,
         )
 
     def _scene_lights(self, camera: Camera) -> tuple[Light, ...]:

@@ -44,6 +44,11 @@ class ToneMapFilter(ImageFilter):
         None, optional(_background), "sRGB from 0 to 1 behind the volume. None: transparent."
     )
 
+    gamma = Parameter(
+        None, optional(lambda v: checks.number("gamma", v, above=0.0, most=10.0)),
+        "Encode by the power 1 / gamma, as in Exposure Render. None: sRGB.",
+    )  # fmt: skip
+
     def RequestInformation(self, request: Any, inputs: Any, outputs: Any) -> int:
         """Announce 8-bit RGBA; the extent is the input's."""
         info = outputs.GetInformationObject(0)
@@ -59,8 +64,9 @@ class ToneMapFilter(ImageFilter):
                 f"got {radiance.shape[2]} components"
             )
         rgba = to_rgba8(
-            radiance[..., :3], radiance[..., 3], exposure=self.exposure, background=self.background
-        )
+            radiance[..., :3], radiance[..., 3],
+            exposure=self.exposure, background=self.background, gamma=self.gamma,
+        )  # fmt: skip
         shown = image_of_arrays({"rgba": rgba})
         result = vtkImageData()
         result.CopyStructure(image)

@@ -95,6 +95,32 @@ def test_demo_takes_any_volume(volume_file, tmp_path, capsys):
     assert "surface shading" in capsys.readouterr().out
 
 
+def test_denoised_picture_says_so_and_replays(volume_file, tmp_path, capsys):
+    out, facts = tmp_path / "p.png", tmp_path / "facts.json"
+    options = ["--denoise", "knn", "--bits", "16", "--json", str(facts)]
+    assert main(["render", str(volume_file), "-o", str(out), *SMALL, *options]) == 0
+    assert "denoised by knn, error not known" in capsys.readouterr().out
+    told = json.loads(facts.read_text())
+    assert told["denoised"]["method"] == "knn"
+    assert told["nrms"] is None and told["nrms_before_denoising"] > 0
+    again = tmp_path / "again.png"
+    command = ["replay", str(out), "--input", str(volume_file), "-o", str(again), "--bits", "16"]
+    assert main(command) == 0
+    assert "the same bits" in capsys.readouterr().out
+    import SimpleITK as sitk
+
+    one, other = (sitk.GetArrayFromImage(sitk.ReadImage(str(path))) for path in (out, again))
+    assert one.dtype == np.uint16
+    np.testing.assert_array_equal(one, other)
+
+
+def test_demo_replays_from_its_own_file(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["demo", "--size", "24x18", "--samples", "1"]) == 0
+    assert main(["replay", "vtkmcvr-demo.png", "-o", "again.npz"]) == 0
+    assert "the same bits" in capsys.readouterr().out
+
+
 def test_info_and_presets(volume_file, tmp_path, capsys):
     facts = tmp_path / "info.json"
     assert main(["info", str(volume_file), "--json", str(facts)]) == 0
@@ -127,6 +153,9 @@ BAD_INPUT = {
     "view": (["render", "VOLUME", "-o", "p.png", "--view", "up"], "view is one of"),
     "NaN camera": (["render", "VOLUME", "-o", "p.png", "--azimuth", "nan"], "azimuth"),
     "no folder": (["render", "VOLUME", "-o", "none/p.png", *SMALL], "none"),
+    "bits": (["render", "VOLUME", "-o", "p.exr", "--bits", "16", *SMALL], "bits is for .png"),
+    "replay of nothing": (["replay", "nowhere.png", "-o", "p.png"], "there is no picture"),
+    "replay to a type": (["replay", "nowhere.png", "-o", "p.gif"], ".png, .exr, .npz, .vti"),
     "flip": (["render", "VOLUME", "-o", "p.png", "--flip", "z"], "i, j, k"),
 }
 

@@ -6,7 +6,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from vtkmcvr.display import srgb_decode, srgb_encode, to_rgba8, tone_map
+from vtkmcvr.display import (
+    decode,
+    encode,
+    srgb_decode,
+    srgb_encode,
+    to_rgba8,
+    to_rgba16,
+    tone_map,
+)
 
 FINITE = {"allow_nan": False, "allow_infinity": False}
 GREY_8_BIT = round(255 * float(srgb_encode(1 - math.exp(-1))))
@@ -166,3 +174,51 @@ def test_alpha_of_another_shape_is_refused():
 def test_background_outside_its_range_is_refused(background):
     with pytest.raises(ValueError, match="background"):
         to_rgba8(np.zeros((1, 1, 3)), None, background=background)
+
+
+# Gamma, 16 bits, compositing
+
+
+def test_srgb_is_exact_at_16_bits():
+    codes = np.arange(65536)
+    assert np.array_equal(np.rint(srgb_encode(srgb_decode(codes / 65535)) * 65535), codes)
+    # IEC 61966-2-1, written down again
+    light = -np.log1p(-np.linspace(0, 0.999, 500))[None, :, None].repeat(3, 2)
+    shown = np.linspace(0, 0.999, 500)
+    curve = np.where(shown <= 0.0031308, 12.92 * shown, 1.055 * shown ** (1 / 2.4) - 0.055)
+    expected = np.floor(curve * 65535 + 0.5)
+    assert np.array_equal(to_rgba16(light, None)[0, :, 0], expected)
+    # Through float32 no value is off by more than one step
+    single = to_rgba16(light.astype(np.float32), None)[0, :, 0]
+    assert np.abs(single - expected).max() <= 1
+
+
+def test_16_bits_round_to_the_same_8_bits():
+    light = np.random.default_rng(1).random((40, 50, 3))
+    coarse, fine = to_rgba8(light, None), to_rgba16(light, None)
+    assert fine.dtype == np.uint16
+    assert fine.max() == 65535
+    assert np.abs(fine / 257 - coarse).max() <= 0.5 + 1e-2
+
+
+@pytest.mark.parametrize("gamma", [1.0, 2.2, None])
+def test_encoding_and_back(gamma):
+    values = np.linspace(0, 1, 101)
+    assert decode(encode(values, gamma), gamma) == pytest.approx(values, abs=1e-12)
+    if gamma is not None:
+        assert encode(0.25, gamma) == pytest.approx(0.25 ** (1 / gamma))
+
+
+@pytest.mark.parametrize("gamma", [None, 2.2])
+@pytest.mark.parametrize("behind", [(1.0, 1.0, 1.0), (0.2, 0.0, 0.7)])
+def test_straight_alpha_composites_to_the_picture_on_that_background(behind, gamma):
+    rng = np.random.default_rng(2)
+    alpha = rng.random((20, 30))
+    alpha[:5], alpha[-5:] = 0, 1
+    radiance = alpha[..., None] * rng.random((20, 30, 3)) * 3
+    free = to_rgba16(radiance, alpha, exposure=0.5, gamma=gamma) / 65535
+    colour, cover = decode(free[..., :3], gamma), free[..., 3:]
+    mixed = encode(colour * cover + (1 - cover) * decode(np.array(behind), gamma), gamma)
+    on = to_rgba16(radiance, alpha, exposure=0.5, gamma=gamma, background=behind)
+    # Colour and alpha are rounded to 16 bits each; near black the curve is as steep as 12.92
+    assert mixed == pytest.approx(on[..., :3] / 65535, abs=5e-4)

@@ -13,6 +13,7 @@ from vtkmcvr.picture_files import (
     write_png,
     write_vti,
 )
+from vtkmcvr.png_chunks import read_text
 
 DATA = Path(os.environ.get("VTKMCVR_DATA", Path(__file__).parents[2] / "shared" / "data"))
 RECIPE = {"preset": "ct-bone", "size": [4, 3], "seed": 1}
@@ -57,10 +58,7 @@ def read_png(path):
     reader.Update()
     columns, rows, _ = reader.GetOutput().GetDimensions()
     pixels = vtk_to_numpy(reader.GetOutput().GetPointData().GetScalars())
-    text = {
-        reader.GetTextKey(i): reader.GetTextValue(i) for i in range(reader.GetNumberOfTextChunks())
-    }
-    return pixels.reshape(rows, columns, -1), text
+    return pixels.reshape(rows, columns, -1)
 
 
 @pytest.mark.parametrize("channels", [3, 4])
@@ -68,9 +66,8 @@ def test_png_round_trip(tmp_path, arrays, channels):
     rgba = arrays["rgba"][..., :channels]
     path = tmp_path / "größe 1.png"
     write_png(path, rgba, text={"recipe": '{"seed": 1}'})
-    pixels, text = read_png(path)
-    assert np.array_equal(pixels[::-1], rgba)
-    assert text["recipe"] == '{"seed": 1}'
+    assert np.array_equal(read_png(path)[::-1], rgba)
+    assert read_text(path.read_bytes()) == {"recipe": '{"seed": 1}'}
 
 
 def test_png_has_row_0_on_top_for_other_readers(tmp_path):
@@ -82,9 +79,19 @@ def test_png_has_row_0_on_top_for_other_readers(tmp_path):
         assert picture.getpixel((3, 0)) == (255, 128, 1)
 
 
+def test_16_bit_png_for_an_independent_reader(tmp_path):
+    import SimpleITK as sitk
+
+    rgba = np.random.default_rng(5).integers(0, 2**16, (3, 4, 4)).astype(np.uint16)
+    write_png(tmp_path / "a.png", rgba, text={"recipe": "{}"})
+    stored = sitk.GetArrayFromImage(sitk.ReadImage(str(tmp_path / "a.png")))
+    assert stored.dtype == np.uint16
+    assert np.array_equal(stored, rgba)
+
+
 @pytest.mark.parametrize("bad", [np.zeros((2, 2, 4)), np.zeros((2, 2), np.uint8)])
 def test_png_of_something_else_is_refused(tmp_path, bad):
-    with pytest.raises(ValueError, match="a PNG needs uint8"):
+    with pytest.raises(ValueError, match="a PNG needs uint8 or uint16"):
         write_png(tmp_path / "a.png", bad)
     assert list(tmp_path.iterdir()) == []
 

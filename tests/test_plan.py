@@ -19,6 +19,7 @@ EFFECTS = {
     "surface shading", "specular coat", "anisotropic phase", "constant environment",
     "environment map", "area lights", "point and directional lights",
     "multiple importance sampling", "shadows", "depth of field", "visible environment",
+    "first-hit AOVs",
     "even samples",
 }  # fmt: skip
 PARTS = {

@@ -1,6 +1,7 @@
 """VTK objects become the parts of a scene that they stand for, compared with VTK's own answers."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -26,7 +27,7 @@ from vtkmodules.vtkRenderingCore import (
 from vtkmodules.vtkRenderingVolumeOpenGL2 import vtkOpenGLGPUVolumeRayCastMapper
 
 from vtkmcvr.lights import ConstantEnvironment, DirectionalLight, PointLight
-from vtkmcvr.scene import Lens
+from vtkmcvr.scene import Camera, Lens, Stereo
 from vtkmcvr.vtk_scene import (
     VolumeCache,
     array_of_image,
@@ -490,11 +491,39 @@ def test_camera_goes_to_vtk_and_back():
     assert camera_of(vtk_camera_of(camera)) == camera
 
 
-def test_depth_of_field_is_asked_for_by_a_lens():
+def test_depth_of_field_is_asked_for_by_a_focal_distance_or_a_lens():
+    # As VTK's ray tracer has it: a focal distance of 0 is none, the focal disk a diameter
     camera = vtkCamera()
     camera.SetFocalDisk(7.0)
     assert camera_of(camera).lens is None
-    assert camera_of(camera, Lens(2.0)).lens.radius == 2.0
+    camera.SetFocalDistance(12.0)
+    assert camera_of(camera).lens == Lens(3.5, 12.0)
+    assert camera_of(camera, Lens(2.0)).lens == Lens(2.0)
+
+
+def test_lens_and_eyes_go_to_vtk_and_back():
+    camera = replace(
+        camera_of(random_camera(np.random.default_rng(3))),
+        lens=Lens(2.5, 40.0),
+        stereo=Stereo("right", 3.0),
+    )
+    assert camera_of(vtk_camera_of(camera), eyes="right") == camera
+    # Focus on the focal point
+    near = replace(camera, lens=Lens(1.0))
+    assert camera_of(vtk_camera_of(near)).lens == Lens(1.0, near.distance)
+    assert camera_of(vtk_camera_of(replace(camera, lens=None))).lens is None
+
+
+def test_headlight_follows_a_panorama_too():
+    light = vtkLight()
+    light.SetLightTypeToHeadlight()
+    ahead = Camera((1, 2, 3), (1, 9, 3), panorama=True)
+    assert light_of(light, ahead) == light_of(light, replace(ahead, panorama=False))
+
+
+def test_vtk_has_no_panorama():
+    with pytest.raises(ValueError, match="panorama"):
+        vtk_camera_of(Camera((0, 0, 0), (0, 1, 0), panorama=True))
 
 
 def explicit_projection(camera):

@@ -20,7 +20,10 @@ _HOME = {
     "render": "front",
     "scene_of": "front",
     "render_scene": "rendering",
+    "replay": "replay",
+    "read_recipe": "recipe_files",
     "Picture": "picture",
+    "DenoisedPicture": "denoised_picture",
     "Display": "picture",
     "read_environment": "environment_files",
     "Scene": "scene",
@@ -53,6 +56,7 @@ __all__ = ["__version__", *_HOME]
 
 if TYPE_CHECKING:
     from .curves import ColourCurve, Curve
+    from .denoised_picture import DenoisedPicture
     from .environment_files import read_environment
     from .focus import autofocus
     from .front import render, scene_of
@@ -66,7 +70,9 @@ if TYPE_CHECKING:
     from .phantom import head_phantom
     from .picture import Display, Picture
     from .readers import read
+    from .recipe_files import read_recipe
     from .rendering import render_scene
+    from .replay import replay
     from .scene import (
         Camera,
         Cone,

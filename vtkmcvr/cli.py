@@ -1,4 +1,4 @@
-"""Command line: `vtkmcvr demo | render | info | presets`."""
+"""Command line: `vtkmcvr demo | render | replay | info | presets`."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from . import __version__
 from .commands.info import add_info
 from .commands.presets import add_presets
 from .commands.render import add_demo, add_render
+from .commands.replay import add_replay
 
 BAD_USAGE, INTERRUPTED = 2, 130
 
@@ -40,7 +41,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"vtkmcvr {__version__}")
     commands = parser.add_subparsers(required=True, metavar="command")
-    for add in (add_demo, add_render, add_info, add_presets):
+    for add in (add_demo, add_render, add_replay, add_info, add_presets):
         add(commands)
     return parser
 

@@ -1,4 +1,4 @@
-"""From linear radiance to what a screen shows: tone curve, sRGB transfer, 8-bit pictures.
+"""From linear radiance to what a screen shows: tone curve, sRGB transfer, 8 and 16-bit pictures.
 
 The tone curve is that of Exposure Render (Kroes, Post, Botha 2012, PLOS ONE 7(7): e38586) in its
 corrected form: brighter exposure makes the picture brighter, and the sRGB transfer comes after it
@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,8 +17,8 @@ from numpy.typing import ArrayLike, NDArray
 Floats = NDArray[np.floating]
 
 # IEC 61966-2-1: the straight part near black and where it ends
-_SLOPE = 12.92
-_LINEAR_END = 0.0031308
+SRGB_SLOPE = 12.92
+SRGB_LINEAR_END = 0.0031308
 _ENCODED_END = 0.04045
 
 
@@ -66,8 +67,8 @@ def srgb_encode(linear: ArrayLike) -> Floats:
         Encoded values in 0..1; float32 stays float32, anything else becomes float64.
     """
     light = np.clip(_floats(linear), 0, 1)
-    curve = 1.055 * np.maximum(light, _LINEAR_END) ** (1 / 2.4) - 0.055
-    return np.where(light <= _LINEAR_END, light * _SLOPE, curve)
+    curve = 1.055 * np.maximum(light, SRGB_LINEAR_END) ** (1 / 2.4) - 0.055
+    return np.where(light <= SRGB_LINEAR_END, light * SRGB_SLOPE, curve)
 
 
 def srgb_decode(encoded: ArrayLike) -> Floats:
@@ -85,7 +86,29 @@ def srgb_decode(encoded: ArrayLike) -> Floats:
     """
     value = np.clip(_floats(encoded), 0, 1)
     curve = ((np.maximum(value, _ENCODED_END) + 0.055) / 1.055) ** 2.4
-    return np.where(value <= _ENCODED_END, value / _SLOPE, curve)
+    return np.where(value <= _ENCODED_END, value / SRGB_SLOPE, curve)
+
+
+def encode(linear: ArrayLike, gamma: float | None = None) -> Floats:
+    """Encode linear light for a display: sRGB, or a plain power as in Exposure Render.
+
+    Parameters
+    ----------
+    linear : array_like
+        Linear light; values outside 0..1 are clamped.
+    gamma : float, optional
+        Encode by the power 1 / gamma, > 0. Default: the sRGB transfer.
+    """
+    if gamma is None:
+        return srgb_encode(linear)
+    return np.clip(_floats(linear), 0, 1) ** (1 / gamma)
+
+
+def decode(encoded: ArrayLike, gamma: float | None = None) -> Floats:
+    """Return the linear light of display values: the inverse of `encode`."""
+    if gamma is None:
+        return srgb_decode(encoded)
+    return np.clip(_floats(encoded), 0, 1) ** gamma
 
 
 def to_rgba8(
@@ -94,8 +117,13 @@ def to_rgba8(
     *,
     exposure: float = 0.0,
     background: Sequence[float] | None = None,
+    gamma: float | None = None,
 ) -> NDArray[np.uint8]:
     """Make the 8-bit picture of a film.
+
+    The picture has straight alpha, as PNG has it: colour times alpha is light. Two pictures are
+    composited right in linear light: decode, mix by alpha, encode. Programs that mix encoded values
+    make edges too dark; `background` mixes in linear light.
 
     Parameters
     ----------
@@ -106,13 +134,15 @@ def to_rgba8(
     exposure : float
         Stops, see `tone_map`.
     background : sequence of float, optional
-        Display sRGB (r, g, b) in 0..1 behind the picture, mixed in linear display light. Without
+        Display colour (r, g, b) in 0..1 behind the picture, mixed in linear display light. Without
         it the picture keeps its coverage: straight alpha, colour 0 where nothing is covered.
+    gamma : float, optional
+        See `encode`.
 
     Returns
     -------
     numpy.ndarray
-        uint8 (H, W, 4) sRGB with straight alpha, rounded to nearest; alpha 255 on a background.
+        uint8 (H, W, 4) with straight alpha, rounded to nearest; alpha 255 on a background.
 
     Raises
     ------
@@ -120,16 +150,38 @@ def to_rgba8(
         Where shapes do not fit, or radiance, alpha, exposure or background are not finite or,
         for the background, outside 0..1.
     """
+    return _rounded(_shown(radiance, alpha, exposure, background, gamma), np.uint8)
+
+
+def to_rgba16(
+    radiance: ArrayLike,
+    alpha: ArrayLike | None,
+    *,
+    exposure: float = 0.0,
+    background: Sequence[float] | None = None,
+    gamma: float | None = None,
+) -> NDArray[np.uint16]:
+    """Make the 16-bit picture of a film: as `to_rgba8`, white and opaque are 65535."""
+    return _rounded(_shown(radiance, alpha, exposure, background, gamma), np.uint16)
+
+
+def _shown(
+    radiance: ArrayLike,
+    alpha: ArrayLike | None,
+    exposure: float,
+    background: Sequence[float] | None,
+    gamma: float | None,
+) -> Floats:
     light = _finite("radiance", radiance)
     if light.ndim != 3 or light.shape[2] != 3:
         raise ValueError(f"radiance must be (rows, columns, 3), got shape {light.shape}")
     coverage = _coverage(alpha, light)
     colour = tone_map(_straight(light, coverage), exposure)
     if background is not None:
-        behind = srgb_decode(_background(background)).astype(light.dtype)
+        behind = decode(_background(background), gamma).astype(light.dtype)
         colour = colour * coverage + (1 - coverage) * behind
         coverage = np.ones_like(coverage)
-    return _round8(np.concatenate([srgb_encode(colour), coverage], axis=2))
+    return np.concatenate([encode(colour, gamma), coverage], axis=2)
 
 
 def _coverage(alpha: ArrayLike | None, light: Floats) -> Floats:
@@ -159,8 +211,10 @@ def _background(background: Sequence[float]) -> Floats:
     return behind
 
 
-def _round8(values: Floats) -> NDArray[np.uint8]:
-    return np.floor(values * 255 + 0.5).astype(np.uint8)
+def _rounded(values: Floats, kind: type) -> NDArray[Any]:
+    white = np.iinfo(kind).max
+    # float32 cannot add a half to 65535 without rounding
+    return np.floor(values * np.float64(white) + 0.5).astype(kind)
 
 
 def _floats(values: ArrayLike) -> Floats:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,8 +13,13 @@ from . import film_error, packed
 Image = NDArray[np.float32]
 
 
-def new_film(width: int, height: int, sobol: packed.Sobol | None = None) -> packed.Film:
-    """Empty film of width x height pixels, for samples drawn as `sobol` says."""
+def new_film(
+    width: int, height: int, sobol: packed.Sobol | None = None, aovs: Collection[str] = ()
+) -> packed.Film:
+    """Empty film of width x height pixels, for samples drawn as `sobol` says.
+
+    `aovs` names the planes to record, "albedo" and "normal".
+    """
     plane, colour = (height, width), (height, width, 3)
     return packed.Film(
         count=np.zeros(plane, np.int64),
@@ -20,6 +28,8 @@ def new_film(width: int, height: int, sobol: packed.Sobol | None = None) -> pack
         hits=np.zeros(plane, np.int64),
         depth=np.zeros(plane, np.float64),
         rejected=np.zeros(plane, np.int64),
+        albedo=np.zeros(colour, np.float64) if "albedo" in aovs else None,
+        normal=np.zeros(colour, np.float64) if "normal" in aovs else None,
         batches=None if sobol is None else _new_batches(colour),
     )
 
@@ -30,15 +40,13 @@ def _new_batches(colour: tuple[int, int, int]) -> packed.Batches:
 
 def copy_film(film: packed.Film) -> packed.Film:
     """Film with arrays of its own."""
-    return packed.Film(
-        film.count.copy(),
-        film.mean.copy(),
-        film.m2.copy(),
-        film.hits.copy(),
-        film.depth.copy(),
-        film.rejected.copy(),
-        film.batches and packed.Batches(film.batches.mean.copy(), film.batches.m2.copy()),
-    )
+    return _copied(film)
+
+
+def _copied(part: Any) -> Any:
+    if isinstance(part, tuple):
+        return type(part)(*map(_copied, part))
+    return None if part is None else part.copy()
 
 
 def alpha(film: packed.Film) -> Image:

@@ -10,7 +10,7 @@ from . import checks
 from .film import new_film
 from .kernels.cpu import render_tile
 from .plan import plan
-from .scene import PixelFilter, Scene
+from .scene import Isotropic, PixelFilter, Scene
 
 SAMPLES = 256
 
@@ -48,8 +48,9 @@ def autofocus(scene: Scene, pixel: tuple[int, int], *, radius: float = 1.0, seed
     checks.whole("seed", seed, least=0)
     # The fewest effects, so that the least is compiled; a pinhole, or focus would depend on itself
     bare = replace(
-        scene, camera=replace(scene.camera, lens=None), lights=(), surface=None, phase_g=0.0,
-        environment_visible=False, pixel_filter=PixelFilter("box", radius),
+        scene, camera=replace(scene.camera, lens=None), lights=(), surface=None,
+        phase=Isotropic(), scattering="single", max_scatterings=None, environment_visible=False,
+        pixel_filter=PixelFilter("box", radius),
     )  # fmt: skip
     packed = plan(bare).packed
     film = new_film(*scene.size, packed.sobol)

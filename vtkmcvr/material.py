@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import checks
+from .content_hash import INSIDE
 from .curves import ColourCurve, Curve
 
 Vector = tuple[float, float, float]
@@ -31,7 +32,7 @@ class TransferTable:
         `TransferFunction.gradient_distance`.
     """
 
-    rgba: NDArray
+    rgba: NDArray = field(metadata=INSIDE)
     scalar_range: tuple[float, float]
     gradient_range: tuple[float, float]
 

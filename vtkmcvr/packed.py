@@ -141,7 +141,7 @@ class Sobol(NamedTuple):
     """Leading dimensions of a path are scrambled Sobol points instead of independent numbers."""
 
     key: np.uint64  # of a batch, plus an increment for each set of points drawn; 0 in the scene
-    index: np.uint64  # of a sample in its batch; 0 in the scene
+    place: np.uint64  # of a sample in its batch; 0 in the scene
     sets: np.int64  # sets of points, in one or two dimensions, still to be drawn by a path
 
 
@@ -162,6 +162,12 @@ class Gloss(NamedTuple):
     specular: Vector  # reflectance at normal incidence
     exponent: np.float32  # Blinn exponent; the GGX roughness is sqrt(2 / (exponent + 2))
     ggx: np.bool_  # GGX distribution of microfacets instead of Blinn's
+
+
+class NormalMap(NamedTuple):
+    """The film records the normal at the first collision, and so needs a gradient there."""
+
+    world_from_index_gradient: Matrix
 
 
 class Phase(NamedTuple):
@@ -268,6 +274,7 @@ class Scene(NamedTuple):
     delta_lights: DeltaLights | None
     choice: LightChoice | None
     environment_visible: np.bool_
+    normal_map: NormalMap | None
     sobol: Sobol | None
 
 
@@ -287,4 +294,7 @@ class Film(NamedTuple):
     hits: NDArray[np.int64]  # (H, W) samples that collided in the volume
     depth: NDArray[np.float64]  # (H, W) mean distance of the collisions
     rejected: NDArray[np.int64]  # (H, W) samples that were not finite, counted as zero
+    # (H, W, 3) means over all samples of what the first collision met, 0 for a miss
+    albedo: NDArray[np.float64] | None
+    normal: NDArray[np.float64] | None  # world-space unit vectors toward the camera
     batches: Batches | None  # where samples of a batch depend on each other

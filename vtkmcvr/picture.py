@@ -5,37 +5,26 @@ from __future__ import annotations
 import os
 import tempfile
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import film as films
 from . import packed, picture_files
-from .display import to_rgba8
 from .plan import Plan
+from .recipe import recipe_of
 from .schedule import Progress
+from .screen import Display, shown
 
-Colour = tuple[float, float, float]
+__all__ = ["Display", "Picture", "check_suffix"]
+
+if TYPE_CHECKING:
+    from .denoised_picture import DenoisedPicture
+
 SUFFIXES = (".png", ".exr", ".npz", ".vti")
-
-
-@dataclass(frozen=True)
-class Display:
-    """How radiance becomes pixels; changing it traces no ray.
-
-    Parameters
-    ----------
-    exposure : float
-        Stops; +1 doubles the brightness before tone mapping.
-    background : (r, g, b), optional
-        sRGB colour from 0 to 1 behind the volume. None: transparent.
-    """
-
-    exposure: float = 0.0
-    background: Colour | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +44,7 @@ class Picture:
     stopped_by : str
         "samples", "seconds" or "user".
     recipe : dict
-        What was asked for, enough to make the picture again.
+        What the front door was asked for. A saved picture says more: see `vtkmcvr.recipe`.
     """
 
     film: packed.Film
@@ -81,6 +70,23 @@ class Picture:
     def depth(self) -> NDArray[np.float32]:
         """Mean distance from camera to first collision, (H, W), world units; inf: none."""
         return films.depth(self.film)
+
+    @property
+    def albedo(self) -> NDArray[np.float32] | None:
+        """Albedo at the first collision, (H, W, 3), mean over all samples; None: not asked for.
+
+        A sample that misses counts as 0, so it is premultiplied as `radiance` is.
+        """
+        return None if self.film.albedo is None else self.film.albedo.astype(np.float32)
+
+    @property
+    def normal(self) -> NDArray[np.float32] | None:
+        """Unit normal at the first collision, (H, W, 3), mean over all samples; or None.
+
+        In world coordinates, toward the camera, along the gradient; 0 for a sample that misses or
+        finds no gradient. Where samples disagree it is shorter than 1.
+        """
+        return None if self.film.normal is None else self.film.normal.astype(np.float32)
 
     @property
     def standard_error(self) -> NDArray[np.float32]:
@@ -118,15 +124,37 @@ class Picture:
         """Display picture, (H, W, 4): tone-mapped sRGB with straight alpha."""
         return self.show(self.display)
 
-    def show(self, display: Display) -> NDArray[np.uint8]:
-        """Display picture under another exposure or background, (H, W, 4) uint8."""
-        seen = bool(self.plan.packed.environment_visible)
-        return to_rgba8(
-            self.radiance,
-            None if seen else self.alpha,
-            exposure=display.exposure,
-            background=display.background,
-        )
+    @property
+    def denoiser(self) -> dict[str, Any] | None:
+        """How noise was reduced, as plain JSON values; None: not at all."""
+        return None
+
+    def show(self, display: Display, bits: int = 8) -> NDArray[Any]:
+        """Display picture under another display, (H, W, 4), uint8, or uint16 for 16 bits."""
+        opaque = bool(self.plan.packed.environment_visible)
+        return shown(self.radiance, None if opaque else self.alpha, display, bits)
+
+    def with_display(self, display: Display | None = None, **changes: Any) -> Picture:
+        """The same film under another display, or with parts of it changed; traces no ray.
+
+        Examples
+        --------
+        >>> brighter = picture.with_display(exposure=1.0)
+        """
+        return replace(self, display=replace(display or self.display, **changes))
+
+    def denoised(self, method: str = "knn") -> DenoisedPicture:
+        """Picture with less noise, and a bias; traces no ray. This one stays as measured.
+
+        Parameters
+        ----------
+        method : {"knn", "oidn"}
+            See `vtkmcvr.denoise`. "oidn" is better where the scene asked for the `aovs` albedo and
+            normal.
+        """
+        from .denoised_picture import denoised
+
+        return denoised(self, method)
 
     def refine(
         self,
@@ -142,14 +170,17 @@ class Picture:
         return continue_picture(self, samples, seconds, progress, abort)
 
     def arrays(self) -> dict[str, NDArray]:
-        """All arrays by public name."""
-        return {
+        """All arrays by public name; AOVs where the film has them."""
+        arrays: dict[str, NDArray | None] = {
             "rgba": self.rgba,
             "radiance": self.radiance,
             "alpha": self.alpha,
             "depth": self.depth,
             "standard_error": self.standard_error,
+            "albedo": self.albedo,
+            "normal": self.normal,
         }
+        return {name: array for name, array in arrays.items() if array is not None}
 
     def facts(self) -> dict[str, Any]:
         """What was measured, as plain JSON values; an unknown NRMS is None."""
@@ -158,6 +189,7 @@ class Picture:
             "seconds": self.seconds,
             "paths_per_second": self.paths_per_second,
             "nrms": self.nrms if np.isfinite(self.nrms) else None,
+            "denoised": self.denoiser,
             "stopped_by": self.stopped_by,
             "effects": {e.name: {"on": e.on, "reason": e.reason} for e in self.plan.effects},
             "notes": list(self.plan.notes),
@@ -167,18 +199,33 @@ class Picture:
             "size": list(self.size),
         }
 
-    def save(self, path: str | os.PathLike) -> Path:
-        """Write .png (display picture) or .exr, .npz, .vti (float radiance, AOVs, recipe)."""
+    def save(self, path: str | os.PathLike, *, bits: int = 8) -> Path:
+        """Write .png (display picture) or .exr, .npz, .vti (float radiance and AOVs).
+
+        Each holds the recipe, which `vtkmcvr.replay` reads. Radiance is linear and premultiplied by
+        alpha, as EXR has it; a PNG has straight alpha, see `vtkmcvr.display.to_rgba8`.
+
+        Parameters
+        ----------
+        path : path-like
+        bits : {8, 16}
+            Of a .png.
+        """
         target = check_suffix(path)
         suffix = target.suffix.lower()
+        if bits != 8 and suffix != ".png":
+            raise ValueError(f"bits is for .png; {target.name} has floats")
+        recipe = recipe_of(self)
         if suffix == ".png":
-            picture_files.write_png(target, self.rgba)
+            text = {picture_files.RECIPE: picture_files.recipe_json(recipe)}
+            picture_files.write_png(target, self.show(self.display, bits), text)
         elif suffix == ".npz":
-            picture_files.write_npz(target, self.arrays(), self.recipe)
+            picture_files.write_npz(target, self.arrays(), recipe)
         elif suffix == ".vti":
-            picture_files.write_vti(target, self.arrays(), self.recipe)
+            picture_files.write_vti(target, self.arrays(), recipe)
         else:
-            picture_files.write_exr(target, self.arrays(), self.recipe)
+            planes = {name: array for name, array in self.arrays().items() if name != "rgba"}
+            picture_files.write_exr(target, planes, recipe)
         return target
 
     def _repr_png_(self) -> bytes:

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vtkmcvr.environment_files import import_openexr, read_environment
+from vtkmcvr.png_chunks import with_text
 from vtkmcvr.safe_files import replacing, write_vtk
 
 __all__ = ["read_environment", "read_npz", "write_exr", "write_npz", "write_png", "write_vti"]
@@ -34,32 +35,32 @@ _EXR_LAYERS = {"normal": "XYZ"}
 
 def write_png(
     path: str | os.PathLike[str],
-    rgba: NDArray[np.uint8],
+    rgba: NDArray[Any],
     text: Mapping[str, str] | None = None,
 ) -> None:
-    """Write an 8-bit picture.
+    """Write a picture of 8 or 16 bits.
 
     Parameters
     ----------
     path : path-like
         Where to, ending in .png.
     rgba : numpy.ndarray
-        uint8 (H, W, 3) or (H, W, 4) sRGB, straight alpha, row 0 on top.
+        uint8 or uint16 (H, W, 3) or (H, W, 4) sRGB, straight alpha, row 0 on top.
     text : mapping of str, optional
-        Text chunks, for instance the recipe as JSON.
+        iTXt chunks, for instance the recipe as JSON.
     """
     from vtkmodules.vtkIOImage import vtkPNGWriter
 
-    if rgba.dtype != np.uint8 or rgba.ndim != 3 or rgba.shape[2] not in (3, 4):
+    if rgba.dtype not in (np.uint8, np.uint16) or rgba.ndim != 3 or rgba.shape[2] not in (3, 4):
         raise ValueError(
-            f"a PNG needs uint8 (rows, columns, 3 or 4), got {rgba.dtype} {rgba.shape}"
+            f"a PNG needs uint8 or uint16 (rows, columns, 3 or 4), got {rgba.dtype} {rgba.shape}"
         )
     writer = vtkPNGWriter()
-    for key, value in (text or {}).items():
-        writer.AddText(key, value)
     writer.SetInputData(_vtk_image({"rgba": rgba}))
     with replacing(path, ".png") as temporary:
         write_vtk(writer, temporary)
+        if text:
+            temporary.write_bytes(with_text(temporary.read_bytes(), text))
 
 
 def write_npz(path: str | os.PathLike[str], arrays: Arrays, recipe: Recipe) -> None:
@@ -182,7 +183,7 @@ def write_exr(path: str | os.PathLike[str], arrays: Arrays, recipe: Recipe) -> N
 
 def recipe_json(recipe: Recipe) -> str:
     """Return a recipe as JSON; NumPy scalars and arrays become numbers and lists."""
-    return json.dumps(recipe, default=_plain)
+    return json.dumps(recipe, default=_plain, allow_nan=False)
 
 
 def _plain(value: Any) -> Any:

@@ -15,7 +15,7 @@ from .plan_lights import pack_lights
 from .plan_medium import pack_medium
 from .plan_phase import pack_phase
 from .plan_sampling import pack_sobol, sampling_effect
-from .plan_surface import pack_surface
+from .plan_surface import pack_normal_map, pack_surface
 from .plan_transfer import pack_transfer, transfer_effects
 from .plan_transport import estimator_words, pack_marching, pack_scattering, scattering_effect
 from .scene import Scene
@@ -87,6 +87,7 @@ def plan(scene: Scene) -> Plan:
         shadows, ratio,
         lights.ambient, lights.environment, lights.rectangles, lights.delta_lights, lights.choice,
         np.bool_(scene.environment_visible and bool(lights.ambient or lights.environment)),
+        pack_normal_map(scene),
         pack_sobol(scene),
     )  # fmt: skip
     effects = (
@@ -100,6 +101,7 @@ def plan(scene: Scene) -> Plan:
         _shadow_effect(scene, lit, ratio),
         Effect("depth of field", lens is not None, lens_why),
         _background_effect(scene, result),
+        _aov_effect(scene),
         sampling_effect(result.sobol),
     )
     return Plan(scene, result, effects, _notes(voxels, tables))
@@ -128,6 +130,12 @@ def _background_effect(scene: Scene, result: packed.Scene) -> Effect:
         return Effect("visible environment", True, "camera rays that miss the volume see it")
     why = "no environment" if scene.environment_visible else "the scene hides it: transparent there"
     return Effect("visible environment", False, why)
+
+
+def _aov_effect(scene: Scene) -> Effect:
+    if not scene.aovs:
+        return Effect("first-hit AOVs", False, "nobody asked for albedo or normal")
+    return Effect("first-hit AOVs", True, " and ".join(scene.aovs))
 
 
 def _notes(voxels: Voxels, tables: Tables) -> tuple[str, ...]:

@@ -16,6 +16,13 @@ from .voxels import Voxels
 EVERYWHERE = 1e30
 
 
+def pack_normal_map(scene: Scene) -> packed.NormalMap | None:
+    """What the film needs to record normals, or None where nobody asked for them."""
+    if "normal" not in scene.aovs:
+        return None
+    return packed.NormalMap(matrix(world_from_index_gradient(scene)))
+
+
 def pack_surface(
     scene: Scene, voxels: Voxels, tables: Tables
 ) -> tuple[packed.Surface | None, packed.Gloss | None, str, str]:

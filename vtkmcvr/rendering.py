@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from . import checks, schedule
+from . import checks, packed, schedule
 from .film import copy_film, new_film
 from .picture import Display, Picture
 from .plan import Plan, plan
@@ -61,11 +61,16 @@ def render_scene(
         schedule.default_threads() if threads is None else checks.whole("threads", threads, least=1)
     )
     planned = scene if isinstance(scene, Plan) else plan(scene)
-    film = new_film(*planned.scene.size, planned.packed.sobol)
+    film = empty_film(planned)
     stopped_by, spent = schedule.run(planned.packed, film, rules, seed, threads, progress)
     return Picture(
         film, planned, display or Display(), spent, stopped_by, seed, threads, recipe or {}
     )
+
+
+def empty_film(planned: Plan) -> packed.Film:
+    """Film without samples, with all that the scene asks for."""
+    return new_film(*planned.scene.size, planned.packed.sobol, planned.scene.aovs)
 
 
 def continue_picture(

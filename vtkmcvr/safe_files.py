@@ -56,4 +56,6 @@ def write_vtk(writer: Any, path: Path) -> None:
     writer.SetFileName(str(path))
     writer.Write()
     if messages or writer.GetErrorCode():
-        raise OSError(messages[0] if messages else "the disk may be full")
+        # The executive only says that a request failed
+        reasons = [text for text in messages if not text.startswith("Algorithm ")]
+        raise OSError(reasons[0].splitlines()[0] if reasons else "the disk may be full")

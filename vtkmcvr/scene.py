@@ -5,6 +5,7 @@ Nothing here knows VTK or Numba; `vtk_scene` translates from VTK, `plan` into wh
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from . import checks
@@ -21,6 +22,18 @@ __all__ = [
 
 ISOTROPIC = Isotropic()
 ESTIMATORS = ("majorant-grid", "woodcock", "ray-march")
+
+
+AOVS = ("albedo", "normal")
+
+
+def known_aovs(names: Iterable[str]) -> tuple[str, ...]:
+    """Return the names, each once, or say which are allowed."""
+    given = (names,) if isinstance(names, str) else tuple(names)
+    for name in given:
+        if name not in AOVS:
+            raise ValueError(f"aovs are some of {', '.join(AOVS)}; got {name!r}")
+    return tuple(name for name in AOVS if name in given)
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,6 +73,8 @@ class Scene:
     size : (width, height)
         Pixels.
     pixel_filter : PixelFilter
+    aovs : sequence of {"albedo", "normal"}
+        What the film also records of the first collision; a normal costs a gradient there.
     sampler : {"sobol", "independent"}
         How the leading random numbers of a path are drawn: spread evenly over the samples of a
         pixel, in independent batches, or each on its own. Both are unbiased.
@@ -81,6 +96,7 @@ class Scene:
     light_sampling: str = "mis"
     size: tuple[int, int] = (800, 600)
     pixel_filter: PixelFilter = field(default_factory=PixelFilter)
+    aovs: tuple[str, ...] = ()
     sampler: str = "sobol"
 
     def __post_init__(self) -> None:
@@ -91,6 +107,7 @@ class Scene:
         _check_transport(self)
         checks.number("shadow_reach", self.shadow_reach, least=0.0, finite=False)
         checks.choice("light_sampling", self.light_sampling, ("mis", "light", "scatter"))
+        object.__setattr__(self, "aovs", known_aovs(self.aovs))
         checks.choice("sampler", self.sampler, ("sobol", "independent"))
         width, height = self.size
         object.__setattr__(

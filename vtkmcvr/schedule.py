@@ -10,8 +10,10 @@ import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from . import packed
 from .kernels.cpu import render_tile
@@ -79,6 +81,17 @@ def run(
     with ThreadPoolExecutor(threads, thread_name_prefix="vtkmcvr") as pool:
         stopped_by = runner.run(pool)
     return stopped_by, time.perf_counter() - runner.start
+
+
+def fill_up(scene: packed.Scene, film: packed.Film, counts: NDArray[np.int64], seed: int) -> None:
+    """Bring every pixel up to a number of samples of its own, as a run that was cut off left it."""
+    height, width = counts.shape
+    for row in range(height):
+        steps = np.flatnonzero(np.diff(counts[row])) + 1
+        for first, last in pairwise((0, *steps.tolist(), width)):
+            render_tile(
+                film, scene, row, row + 1, first, last, int(counts[row, first]), np.int64(seed)
+            )
 
 
 def default_threads() -> int:

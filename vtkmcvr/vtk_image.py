@@ -50,13 +50,22 @@ def image_of_picture(picture: Picture) -> vtkImageData:
     -------
     vtkImageData
         float32 point arrays "radiance" (active; linear RGB premultiplied by alpha, then alpha),
-        "depth" (world units; inf where the volume is missed) and "standard_error" (of RGB).
+        "depth" (world units; inf where the volume is missed), "standard_error" (of RGB), and
+        "albedo" and "normal" where the scene asked for them.
     """
-    return image_of_arrays({
+    arrays = {
         "radiance": np.dstack([picture.radiance, picture.alpha]),
         "depth": picture.depth,
         "standard_error": picture.standard_error,
-    })  # fmt: skip
+        "albedo": picture.albedo,
+        "normal": picture.normal,
+    }
+    return image_of_arrays({name: array for name, array in arrays.items() if array is not None})
+
+
+def image_of_radiance(radiance: NDArray, alpha: NDArray) -> vtkImageData:
+    """Image of a film, (H, W, 3) and (H, W), with the float32 point array "radiance"."""
+    return image_of_arrays({"radiance": np.dstack([radiance, alpha]).astype(np.float32)})
 
 
 def array_of_image(image: vtkImageData, name: str) -> NDArray:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import cast
 
 import numpy as np
@@ -117,7 +118,7 @@ def members(
 def _geometry(light: vtkLight, camera: vtkCamera | Camera) -> tuple[Vector, Vector]:
     """Position and focal point in world coordinates."""
     if isinstance(camera, Camera):
-        camera = vtk_camera_of(camera)
+        camera = vtk_camera_of(replace(camera, panorama=False))
     if light.LightTypeIsHeadlight():
         return camera.GetPosition(), camera.GetFocalPoint()
     if light.LightTypeIsSceneLight():

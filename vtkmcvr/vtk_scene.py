@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from .vtk_camera import camera_of, default_camera, vtk_camera_of
 from .vtk_components import Look, looks_of
-from .vtk_image import array_of_image, image_of_arrays, image_of_picture
+from .vtk_image import array_of_image, image_of_arrays, image_of_picture, image_of_radiance
 from .vtk_lights import default_headlight, light_of, lights_of
 from .vtk_matrix import matrix_of
 from .vtk_property import phase_of, refuse_mapper_features, surface_of, transfer_of
@@ -19,6 +19,7 @@ __all__ = [
     "default_headlight",
     "image_of_arrays",
     "image_of_picture",
+    "image_of_radiance",
     "light_of",
     "lights_of",
     "looks_of",

@@ -9,6 +9,9 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from ..scene import Camera
 
+# Of the volume's radius
+PANORAMA_REACH = 0.1
+
 
 def add_camera_options(parser: argparse.ArgumentParser) -> None:
     """How the picture is taken, from where the view options put the camera."""
@@ -32,7 +35,11 @@ def camera_options(data: Any, options: dict[str, Any], args: argparse.Namespace)
         raise ValueError("--focus needs a lens: give its radius by --aperture")
     if not args.aperture and not args.eyes and args.projection == "perspective":
         return options
-    camera = projected(scene_of(data, **options).scene.camera, args.projection)
+    scene = scene_of(data, **options).scene
+    camera = projected(scene.camera, args.projection)
+    if camera.panorama:
+        # Light from outside does not get to where the camera is: only what is near casts shadows
+        options["shadow_reach"] = scene.volume.radius * PANORAMA_REACH
     if args.eyes:
         camera = replace(camera, stereo=Stereo(args.eyes))
     options["camera"] = camera

@@ -42,6 +42,9 @@ def add_render_options(parser: argparse.ArgumentParser) -> None:
     add("--series", help="series UID or number, where a DICOM folder holds several")
     add("--environment", metavar="MAP", help="light by this .hdr or .exr panorama instead")
     add_camera_options(parser)
+    add("--bits", type=int, choices=(8, 16), default=8, help="of a .png")
+    add("--denoise", choices=("knn", "oidn"), help="reduce noise, at a bias; the report says so")
+    add("--aovs", action="store_true", help="also albedo and normal, in .exr, .vti and .npz")
     add("--json", metavar="FILE", help="what was measured")
     add("--quiet", action="store_true", help="no progress and no report")
 

@@ -77,7 +77,9 @@ def make_picture(data: Any, args: argparse.Namespace, *, explain: bool = False) 
             exposure=args.exposure, background=background, progress=bar, abort=stop.is_set,
             **options,
         )  # fmt: skip
-    picture.save(args.output)
+    if args.denoise:
+        picture = picture.denoised(args.denoise)
+    picture.save(args.output, bits=args.bits)
     if explain:
         say(picture.plan.explain())
     for note in picture.recipe["notes"]:
@@ -106,6 +108,8 @@ def _scene_options(data: Any, args: argparse.Namespace) -> dict[str, Any]:
         "shift": args.shift,
         "view": View(args.view, args.azimuth, args.elevation, args.roll, args.zoom),
     }
+    if args.aovs or args.denoise == "oidn":
+        options["aovs"] = ("albedo", "normal")
     if args.environment:
         from ..environment_files import read_environment
         from ..lights import EnvironmentMap
@@ -126,8 +130,11 @@ def _facts(picture: Picture) -> dict[str, Any]:
 
 def _cost(picture: Picture) -> str:
     width, height = picture.size
+    error = f"estimated error (NRMS) {picture.nrms:.2%}"
+    if picture.denoiser is not None:
+        error = f"denoised by {picture.denoiser['method']}, error not known"
     return (
         f"{width} x {height}, {picture.samples} samples per pixel in {picture.seconds:.2f} s on "
         f"{picture.threads} threads ({picture.paths_per_second / 1e6:.2f} M paths/s), "
-        f"stopped by {picture.stopped_by}; estimated error (NRMS) {picture.nrms:.2%}"
+        f"stopped by {picture.stopped_by}; {error}"
     )

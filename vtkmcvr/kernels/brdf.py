@@ -70,6 +70,24 @@ def surface_event(surface, medium, p, sigma_t, wo, rng):
 
 
 @device
+def first_normal(normal_map, medium, v):
+    """Unit normal of a vertex for the film, toward the camera, also where the volume scatters.
+
+    `normal_map` None: no gradient is fetched. 0 where there is none (HC-17).
+    """
+    if normal_map is None:
+        return NO_NORMAL
+    if v.on_surface:
+        return v.normal
+    g = gradient(medium.values, normal_map.world_from_index_gradient, v.p)
+    square = dot(g, g)
+    if not square > ZERO:
+        return NO_NORMAL
+    toward = -ONE if dot(g, v.wo) < ZERO else ONE
+    return scale(g, toward / math.sqrt(square))
+
+
+@device
 def blinn(gloss, n, h):
     """(n.h)^e, accurate next to 1 where large exponents live."""
     apart = sub(n, h)

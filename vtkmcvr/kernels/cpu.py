@@ -49,6 +49,16 @@ def accumulate(film, row, column, L, hit, depth):
         film.depth[row, column] += (depth - film.depth[row, column]) / hits
 
 
+@device
+def accumulate_aov(plane, n, row, column, value):
+    """Update the mean of what the first collision met by sample number n, from 1."""
+    if plane is None:
+        return
+    weight = 1.0 / n
+    for c in range(3):
+        plane[row, column, c] += (value[c] - plane[row, column, c]) * weight
+
+
 @kernel
 def render_tile(film, scene, row_0, row_1, column_0, column_1, target, seed):
     """Bring every pixel of a tile up to `target` samples; continues where the film is."""
@@ -58,5 +68,7 @@ def render_tile(film, scene, row_0, row_1, column_0, column_1, target, seed):
             for sample in range(film.count[row, column], target):
                 rng = start_path(scene.sobol, seed, row * width + column, sample)
                 origin, direction, rng = camera_ray(scene.camera, scene.lens, column, row, rng)
-                L, hit, depth = radiance(scene, origin, direction, rng)
+                L, hit, depth, albedo, normal = radiance(scene, origin, direction, rng)
                 accumulate(film, row, column, L, hit, depth)
+                accumulate_aov(film.albedo, sample + 1, row, column, albedo)
+                accumulate_aov(film.normal, sample + 1, row, column, normal)

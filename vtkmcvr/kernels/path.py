@@ -6,6 +6,7 @@ next-event estimation at every vertex (pbrt, "Volumetric path tracing").
 
 import numpy as np
 
+from .brdf import NO_NORMAL, first_normal
 from .direct import light_by_light, light_by_scatter, light_met
 from .environment import ambient_radiance, environment_radiance
 from .grid import box_interval
@@ -86,7 +87,7 @@ def background(scene, d, index):
 
 @glue
 def radiance(scene, origin, d, rng):
-    """One camera path. Returns (L, 1 or 0 for a collision in the volume, its distance).
+    """One camera path. Returns (L, 1 or 0 for a collision in the volume, distance, albedo, normal).
 
     `origin` is float64; the ray is computed in float64 until it enters the volume, so that a camera
     far away or a volume far from the world's origin costs no precision (HC-08).
@@ -100,15 +101,16 @@ def radiance(scene, origin, d, rng):
     index, distance = nearest_rectangle(scene.rectangles, narrow(origin), d, True)
     length = f32(min(leave, f64(distance)) - enter)
     if not length > ZERO:
-        return background(scene, d, index), False, 0.0
+        return background(scene, d, index), False, 0.0, BLACK, NO_NORMAL
     entry = narrow(at(o_index, d_index, enter))
     d_index = narrow(d_index)
     t, scalar, sigma_t, rng = sample_collision(
         scene.marching, medium, scene.transfer, entry, d_index, length, rng
     )
     if t < ZERO:
-        return background(scene, d, index), False, 0.0
+        return background(scene, d, index), False, 0.0, BLACK, NO_NORMAL
     x = narrow(at(origin, d_wide, enter + f64(t)))
     v, rng = vertex_at(scene, x, at(entry, d_index, t), scale(d, -ONE), scalar, sigma_t, rng)
     L, rng = scattered_light(scene.scattering, scene, v, rng)
-    return L, True, enter + f64(t)
+    normal = first_normal(scene.normal_map, medium, v)
+    return L, True, enter + f64(t), v.albedo, normal

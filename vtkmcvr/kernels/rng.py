@@ -85,9 +85,9 @@ def stratified_words(net, rng):
         rng, a = word(rng)
         rng, b = word(rng)
         return rng, a, b
-    counter, after = rng.counter + GOLDEN, Sobol(net.key + GOLDEN, net.index, net.sets - 1)
+    counter, after = rng.counter + GOLDEN, Sobol(net.key + GOLDEN, net.place, net.sets - 1)
     # A key of the sample's own makes points of the batch independent of each other
-    a, b = net_pair(after.key if net.sets > 0 else ~counter, net.index)
+    a, b = net_pair(after.key if net.sets > 0 else ~counter, net.place)
     return Stream(counter, after), a, b
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from .grid import INFINITE
 from .jit import device
-from .rng import exponential, stratified_exponential, uniform
+from .rng import exponential, stratified, stratified_exponential, uniform
 from .transfer import classify
 from .vec import at
 
@@ -137,7 +137,7 @@ def march(marching, medium, transfer, o, d, length, ratio, rng):
     The first step is cut off at random, so that errors are noise instead of bands.
     """
     step = marching.step
-    rng, u = uniform(rng)
+    rng, u = stratified(rng)
     rng, tau = stratified_exponential(rng)
     depth = ZERO
     steps = i32(length / step) + i32(2)

@@ -1,0 +1,188 @@
+"""Recipe -> the same picture again."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import __version__, checks, packed, schedule
+from .content_hash import content_hash
+from .deserialise import MissingArray, from_plain
+from .picture import Display, Picture
+from .plan import Plan, plan
+from .recipe import FORMAT, counts_of, film_hash
+from .recipe_files import read_recipe
+from .rendering import empty_film
+from .scene import Scene
+from .schedule import Progress, StopRules
+from .volume import Volume
+
+
+class Replayed(NamedTuple):
+    """Result of `replay`.
+
+    Attributes
+    ----------
+    picture : Picture
+    identical : bool
+        Whether the film has the recorded one's bits.
+    notes : tuple of str
+        Why it may not.
+    """
+
+    picture: Picture
+    identical: bool
+    notes: tuple[str, ...]
+
+
+def replay(
+    source: str | os.PathLike[str] | dict[str, Any],
+    data: Any = (),
+    *,
+    threads: int | None = None,
+    progress: Callable[[Progress], object] | None = None,
+    abort: Callable[[], bool] | None = None,
+) -> Replayed:
+    """Make a saved picture again, with the same bits.
+
+    They are the same for the same version on the same kind of processor.
+
+    Parameters
+    ----------
+    source : path or dict
+        Picture that `Picture.save` wrote, or its recipe.
+    data : vtkImageData, Volume, numpy.ndarray, or a sequence of these
+        What the recipe has only hashes of: the volume, the pixels of an environment map. The
+        synthetic head is made anew.
+    threads, progress, abort : optional
+        See `vtkmcvr.render_scene`.
+
+    Returns
+    -------
+    Replayed
+
+    Raises
+    ------
+    ValueError
+        Where the file has no recipe, the recipe is none of this version, or data is missing or
+        differs from what the picture was made of.
+    """
+    recipe = source if isinstance(source, dict) else read_recipe(source)
+    part = _replay_part(recipe)
+    planned = _planned(part, [_values(item) for item in _items(data)])
+    seed = checks.whole("the recipe's seed", part.get("seed"), least=0)
+    counts = counts_of(part.get("samples"), planned.scene.size)
+    threads = threads or schedule.default_threads()
+    film = empty_film(planned)
+    start = time.perf_counter()
+    rules = StopRules(int(counts.min()), None, abort)
+    stopped_by, _ = schedule.run(planned.packed, film, rules, seed, threads, progress)
+    if stopped_by == "samples":
+        schedule.fill_up(planned.packed, film, counts, seed)
+    picture = Picture(
+        film, planned, Display(), time.perf_counter() - start, stopped_by, seed, threads,
+        {name: value for name, value in recipe.items() if name not in ("measured", "replay")},
+    )  # fmt: skip
+    return Replayed(_shown(picture, part), *_verdict(film, part))
+
+
+def _verdict(film: packed.Film, part: dict[str, Any]) -> tuple[bool, tuple[str, ...]]:
+    identical = film_hash(film) == part.get("film")
+    notes = []
+    if part.get("version") != __version__:
+        notes.append(f"made by vtkmcvr {part.get('version')}, replayed by {__version__}")
+    if not identical:
+        notes.append("the film differs from the recorded one: another version or processor")
+    return identical, tuple(notes)
+
+
+def _replay_part(recipe: dict[str, Any]) -> dict[str, Any]:
+    part = recipe.get("replay")
+    if not isinstance(part, dict):
+        raise ValueError("the recipe does not say how to replay the picture")
+    if part.get("format") != FORMAT:
+        raise ValueError(
+            f"the recipe has format {part.get('format')!r} of vtkmcvr {part.get('version')!r}; "
+            f"this is {__version__}, which reads format {FORMAT}"
+        )
+    if "impossible" in part:
+        raise ValueError(f"this picture cannot be replayed: {part['impossible']}")
+    technique = recipe.get("technique", "monte-carlo")
+    if technique != "monte-carlo":
+        raise ValueError(f"pictures of the technique {technique!r} cannot be replayed")
+    return part
+
+
+# Scene
+
+
+def _planned(part: dict[str, Any], given: Sequence[NDArray[Any]]) -> Plan:
+    arrays = {content_hash(array): array for array in given}
+    try:
+        scene = from_plain(part.get("scene"), arrays)
+    except MissingArray as missing:
+        arrays |= _phantom_like(missing)
+        try:
+            scene = from_plain(part.get("scene"), arrays)
+        except MissingArray as still:
+            raise ValueError(_missing(still, given)) from None
+    if not isinstance(scene, Scene):
+        raise ValueError("the recipe holds no scene")
+    try:
+        return plan(scene)
+    except (TypeError, AttributeError, IndexError) as error:
+        raise ValueError(f"the recipe's scene is none of this version: {error}") from error
+
+
+def _phantom_like(missing: MissingArray) -> dict[str, NDArray[Any]]:
+    """Synthetic head of the missing array's size, by content hash; empty for other shapes."""
+    from .phantom import head_phantom
+
+    shape = missing.form["shape"]
+    if len(set(shape)) != 1 or len(shape) != 3 or not 16 <= shape[0] <= 1024:
+        return {}
+    values = head_phantom(shape[0]).values
+    return {content_hash(values): values}
+
+
+def _missing(missing: MissingArray, given: Sequence[NDArray[Any]]) -> str:
+    if not given:
+        return f"the recipe has only a hash of its data; give what it was made of: {missing}"
+    hashes = ", ".join(content_hash(array)[:12] for array in given)
+    return f"the picture was made of other data ({missing}) than what was given (hash {hashes})"
+
+
+def _items(data: Any) -> list[Any]:
+    return list(data) if isinstance(data, (list, tuple)) else [data]
+
+
+def _values(item: Any) -> NDArray[Any]:
+    if isinstance(item, np.ndarray):
+        return item
+    if isinstance(item, Volume):
+        return item.values
+    from .vtk_scene import volume_of
+
+    return volume_of(item).values
+
+
+# Display
+
+
+def _shown(picture: Picture, part: dict[str, Any]) -> Picture:
+    try:
+        display = Display(**part.get("display", {}))
+    except TypeError as error:
+        raise ValueError(f"the recipe's display is none of this version: {error}") from None
+    how = part.get("denoised")
+    if how is None:
+        return picture.with_display(display)
+    if not isinstance(how, dict):
+        raise ValueError(f"the recipe's denoiser is none of this version: {how!r}")
+    guided = picture.with_display(display, exposure=how.get("exposure", display.exposure))
+    return guided.denoised(how.get("method", "")).with_display(display)
