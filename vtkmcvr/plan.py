@@ -70,10 +70,10 @@ def plan(scene: Scene) -> Plan:
     """
     voxels = voxels_of(scene.volume)
     tables = build_tables(scene.transfer, voxels, float(scene.volume.spacing.min()))
-    transfer = pack_transfer(scene, voxels, tables)
+    surface, gloss, surface_why, gloss_why = pack_surface(scene, voxels, tables)
+    transfer = pack_transfer(scene, voxels, tables, gloss is not None)
     medium = pack_medium(scene, voxels, tables, transfer)
     lens, lens_why = pack_lens(scene.camera)
-    surface, gloss, surface_why, gloss_why = pack_surface(scene, voxels, tables)
     phase, phase_effect = pack_phase(scene.phase, tables.g)
     scattering, marching = pack_scattering(scene), pack_marching(scene)
     lights = pack_lights(scene)

@@ -239,8 +239,7 @@ def many_events(folder):
 
 
 def many_forward_events(folder):
-    light = {"type": "constant", "radiance": [1, 0.8, 0.5]}
-    return write_scene(folder, [light, SUN], albedo=0.99, max_depth=-1, phase={"g": 0.9})
+    return write_scene(folder, [SUN, LAMP], albedo=0.99, max_depth=-1, phase={"g": 0.9})
 
 
 def three_events(folder):

@@ -23,18 +23,6 @@ WHITE = (ONE, ONE, ONE)
 
 
 @device
-def single_scattering(scattering, scene, v, rng):
-    """Light that one scattering event at v sends back. Returns (L, rng)."""
-    if scattering is not None:
-        return BLACK, rng
-    by_light, rng = light_by_light(scene.choice, scene, v, rng)
-    by_scatter, rng = light_by_scatter(
-        scene.ambient, scene.environment, scene.area_lights, scene, v, rng
-    )
-    return add(v.emitted, add(by_light, by_scatter)), rng
-
-
-@device
 def roulette(throughput, least, rng):
     """Russian roulette on a throughput below `least`. Returns (throughput, 0 where ended; rng)."""
     most = largest(throughput)
@@ -47,14 +35,18 @@ def roulette(throughput, least, rng):
 
 
 @device
-def multiple_scattering(scattering, scene, v, rng):
-    """Light that up to `scattering.most` events, the first at v, send back. Returns (L, rng).
+def scattered_light(scattering, scene, v, rng):
+    """Light that one event at v, or up to `scattering.most`, send back. Returns (L, rng).
 
-    A ray drawn by the scattering function serves twice: it meets a light, weighted by MIS, or
-    collides and goes on.
+    With many, a ray drawn by the scattering function serves twice: it meets a light, weighted by
+    MIS, or collides and goes on.
     """
     if scattering is None:
-        return BLACK, rng
+        by_light, rng = light_by_light(scene.choice, scene, v, rng)
+        by_scatter, rng = light_by_scatter(
+            scene.ambient, scene.environment, scene.area_lights, scene, v, rng
+        )
+        return add(v.emitted, add(by_light, by_scatter)), rng
     medium = scene.medium
     L, throughput = BLACK, WHITE
     for _ in range(scattering.most):
@@ -119,7 +111,6 @@ def radiance(scene, origin, d, rng):
         return background(scene, origin, d, index, distance), False, 0.0, BLACK, NO_NORMAL
     x = narrow(at(origin, d_wide, enter + f64(t)))
     v, rng = vertex_at(scene, x, at(entry, d_index, t), scale(d, -ONE), scalar, sigma_t, rng)
-    once, rng = single_scattering(scene.scattering, scene, v, rng)
-    often, rng = multiple_scattering(scene.scattering, scene, v, rng)
+    L, rng = scattered_light(scene.scattering, scene, v, rng)
     normal = first_normal(scene.normal_map, medium, v)
-    return add(once, often), True, enter + f64(t), v.albedo, normal
+    return L, True, enter + f64(t), v.albedo, normal
