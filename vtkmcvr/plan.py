@@ -70,10 +70,10 @@ def plan(scene: Scene) -> Plan:
     """
     voxels = voxels_of(scene.volume)
     tables = build_tables(scene.transfer, voxels, float(scene.volume.spacing.min()))
-    transfer = pack_transfer(scene, voxels, tables)
+    surface, gloss, surface_why, gloss_why = pack_surface(scene, voxels, tables)
+    transfer = pack_transfer(scene, voxels, tables, gloss is not None)
     medium = pack_medium(scene, voxels, tables, transfer)
     lens, lens_why = pack_lens(scene.camera)
-    surface, gloss, surface_why, gloss_why = pack_surface(scene, voxels, tables)
     phase, phase_effect = pack_phase(scene.phase, tables.g)
     scattering, marching = pack_scattering(scene), pack_marching(scene)
     lights = pack_lights(scene)
@@ -85,7 +85,8 @@ def plan(scene: Scene) -> Plan:
     result = packed.Scene(
         medium, transfer, pack_camera(scene), lens, surface, gloss, phase, scattering, marching,
         shadows, ratio,
-        lights.ambient, lights.environment, lights.rectangles, lights.delta_lights, lights.choice,
+        lights.ambient, lights.environment, lights.area_lights, lights.delta_lights, lights.tree,
+        lights.choice,
         np.bool_(scene.environment_visible and bool(lights.ambient or lights.environment)),
         pack_normal_map(scene),
         pack_sobol(scene),
@@ -104,7 +105,7 @@ def plan(scene: Scene) -> Plan:
         _aov_effect(scene),
         sampling_effect(result.sobol),
     )
-    return Plan(scene, result, effects, _notes(voxels, tables))
+    return Plan(scene, result, effects, (*_notes(voxels, tables), *lights.notes))
 
 
 def _empty_space(scene: Scene, medium: packed.Medium) -> Effect:

@@ -18,9 +18,8 @@ GRADIENT_ENTRIES = 2048
 BORDER = 1.75
 
 
-def pack_transfer(scene: Scene, voxels: Voxels, tables: Tables) -> packed.Transfer:
-    """Tables of the channels that vary and that the scene's surfaces can ask for."""
-    surfaces = scene.surface is not None
+def pack_transfer(scene: Scene, voxels: Voxels, tables: Tables, coated: bool) -> packed.Transfer:
+    """Tables of the channels that vary; `coated`: surfaces can ask for those of a coat."""
     return packed.Transfer(
         sigma_t=tables.sigma_t,
         colour=tables.colour,
@@ -30,8 +29,8 @@ def pack_transfer(scene: Scene, voxels: Voxels, tables: Tables) -> packed.Transf
         table_2d=_table_2d(scene, voxels),
         colour_grid=_colour_grid(voxels),
         emission=tables.emission,
-        specular=varying(tables.specular) if surfaces else None,
-        exponent=varying(tables.exponent) if surfaces else None,
+        specular=varying(tables.specular) if coated else None,
+        exponent=varying(tables.exponent) if coated else None,
         phase=varying(tables.g),
     )
 

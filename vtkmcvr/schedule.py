@@ -169,6 +169,9 @@ class _Runner:
         if self.rules.seconds is not None:
             seconds = min(seconds, self.rules.seconds - elapsed)
         more = max(1, int(seconds * rate / self.film.count.size))
+        if self.rules.nrms is not None:
+            # Slowly at first: a whole pass may be far more than it takes
+            more = min(more, max(3 * done, LEAST_SAMPLES - done))
         if self.error is not None and math.isfinite(self.error.high):
             assert self.rules.nrms is not None
             enough = samples_for(self.error.high, done, self.rules.nrms)

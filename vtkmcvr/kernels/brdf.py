@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from .grid import INFINITE, gradient
-from .jit import device
+from .jit import device, glue
 from .rng import stratified, stratified_pair
 from .vec import BLACK, add, dot, from_basis, orthonormal_basis, scale, sub
 from .warp import INVERSE_PI, TWO_PI, cosine_hemisphere
@@ -24,7 +24,7 @@ HYBRID, ALWAYS, THRESHOLD = 0, 1, 2
 NO_NORMAL = (ZERO, ZERO, ZERO)
 
 
-@device
+@glue
 def surface_opacity(surface, sigma_t):
     """Alpha of Eq. 1: opacity over the transfer function's unit distance, or 1 for everywhere."""
     return -math.expm1(-sigma_t * surface.opacity_distance)
@@ -115,7 +115,7 @@ def microfacets(gloss, n, h):
     return d, d * cosine
 
 
-@device
+@glue
 def sample_microfacet(gloss, u):
     """Cosine of the angle between normal and half vector, and its sine."""
     if not gloss.ggx:

@@ -31,8 +31,9 @@ class Vertex(NamedTuple):
 @device
 def gloss_at(gloss, transfer, specular, exponent, scalar):
     """Coat at a scalar."""
-    if gloss is None:
-        return None
+    if specular is None:
+        if exponent is None:
+            return gloss
     return Gloss(
         rgb_channel(specular, transfer, scalar, gloss.specular),
         number_channel(exponent, transfer, scalar, gloss.exponent),
@@ -43,8 +44,8 @@ def gloss_at(gloss, transfer, specular, exponent, scalar):
 @device
 def phase_at(phase, transfer, shape, scalar):
     """Phase function at a scalar."""
-    if phase is None:
-        return None
+    if shape is None:
+        return phase
     return Phase(phase.kind, number_channel(shape, transfer, scalar, phase.shape))
 
 
@@ -60,7 +61,7 @@ def vertex_at(scene, x, p, wo, scalar, sigma_t, rng):
     return Vertex(x, p, wo, on_surface, normal, albedo, glow, gloss, phase), rng
 
 
-@device
+@glue
 def scatter_value(v, wi):
     """Scattering function times cosine (surface) or phase function times albedo (volume)."""
     if v.on_surface:
@@ -68,7 +69,7 @@ def scatter_value(v, wi):
     return scale(v.albedo, phase_value(v.phase, v.wo, wi))
 
 
-@device
+@glue
 def scatter_pdf(v, wi):
     """Density of `sample_scatter`."""
     if v.on_surface:
@@ -76,7 +77,7 @@ def scatter_pdf(v, wi):
     return phase_value(v.phase, v.wo, wi)
 
 
-@device
+@glue
 def sample_scatter(v, rng):
     """Direction drawn by the scattering function. Returns (wi, rng)."""
     if v.on_surface:
@@ -84,7 +85,7 @@ def sample_scatter(v, rng):
     return sample_phase(v.phase, v.wo, rng)
 
 
-@device
+@glue
 def scatter_weight(v, wi):
     """`scatter_value` over `scatter_pdf` of a direction that `sample_scatter` drew.
 
