@@ -3,22 +3,32 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import zlib
 from typing import TYPE_CHECKING
 
-from .data_files import check_data_file
+from .data_files import data_file
 from .errors import fail, header_errors
-from .itk import read_with_itk
+from .itk import open_with_itk
+from .streams import check_promise
 from .volume import check_dimension
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from .volume import LoadedVolume
+    from .options import ReadOptions
+    from .source import VolumeSource
+
+LINE_LIMIT = 1 << 16
+BYTES = {
+    "MET_CHAR": 1, "MET_UCHAR": 1, "MET_SHORT": 2, "MET_USHORT": 2, "MET_INT": 4, "MET_UINT": 4,
+    "MET_LONG": 4, "MET_ULONG": 4, "MET_LONG_LONG": 8, "MET_ULONG_LONG": 8, "MET_FLOAT": 4,
+    "MET_DOUBLE": 8,
+}  # fmt: skip
 
 
-def read_metaimage(source: Path) -> LoadedVolume:
-    """Read a .mha or .mhd file.
+def open_metaimage(source: Path, options: ReadOptions) -> VolumeSource:
+    """Judge a .mha or .mhd file by its header.
 
     Raises
     ------
@@ -29,18 +39,19 @@ def read_metaimage(source: Path) -> LoadedVolume:
     name = header.get("elementdatafile", "")
     if not name:
         fail(source, "not a MetaImage file (it names no ElementDataFile); check the file")
-    if name not in {"LOCAL", "LIST"} and "%" not in name:
-        check_data_file(source, name)
+    if name == "LIST" or "%" in name:
+        fail(source, "a list of data files is not supported; save it with one data file")
+    data = source if name == "LOCAL" else data_file(source, name)
     with header_errors(source):
-        _check_size(source, header)
-    _check_compressed_size(source, header, data_start)
-    return read_with_itk(source, "MetaImageIO", "MetaImage")
+        _check_size(source, header, data)
+    _check_compressed_size(source, header, data, data_start)
+    return open_with_itk(source, "MetaImageIO", "MetaImage", options)
 
 
 def _read_header(source: Path) -> tuple[dict[str, str], int]:
     header: dict[str, str] = {}
     with source.open("rb") as stream:
-        for raw in iter(stream.readline, b""):
+        for raw in iter(lambda: stream.readline(LINE_LIMIT), b""):
             key, _, value = raw.decode("utf-8", errors="replace").partition("=")
             header[key.strip().lower()] = value.strip()
             if "elementdatafile" in header:
@@ -48,21 +59,31 @@ def _read_header(source: Path) -> tuple[dict[str, str], int]:
         return header, stream.tell()
 
 
-def _check_size(source: Path, header: dict[str, str]) -> None:
+def _check_size(source: Path, header: dict[str, str], data: Path) -> None:
     # A number of dimensions beyond 10 makes MetaIO write behind its memory.
     size = [int(word) for word in header.get("dimsize", "").replace(",", " ").split()]
-    if int(header.get("ndims", "0")) != len(size):
+    if int(header.get("ndims", "0")) != len(size) or min(size, default=0) < 1:
         raise ValueError("DimSize does not have NDims numbers")
     check_dimension(source, size)
+    kind = header.get("elementtype", "").upper().removesuffix("_ARRAY")
+    if kind not in BYTES:
+        fail(source, f"MetaImage voxels of type {kind[:40]!r} are not supported; save another type")
+    channels = int(header.get("elementnumberofchannels", "1"))
+    if channels < 1:
+        raise ValueError("ElementNumberOfChannels is below 1")
+    compressed = header.get("compresseddata", "").lower() in {"true", "t", "1"}
+    promised = math.prod(size) * channels * BYTES[kind]
+    check_promise(source, [data], "gzip" if compressed else "raw", promised)
 
 
-def _check_compressed_size(source: Path, header: dict[str, str], data_start: int) -> None:
+def _check_compressed_size(
+    source: Path, header: dict[str, str], data: Path, data_start: int
+) -> None:
     # With too small a CompressedDataSize, SimpleITK leaves the last voxels undefined.
     declared = header.get("compresseddatasize", "")
-    name = header["elementdatafile"]
-    if not declared.isdigit() or name == "LIST" or "%" in name:
+    if not declared.isdigit():
         return
-    data = source if name == "LOCAL" else source.parent / name
+    name = header["elementdatafile"]
     with data.open("rb") as stream:
         stream.seek(data_start if name == "LOCAL" else 0)
         available = data.stat().st_size - stream.tell()

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..volume_info import count_nonfinite
+from ..volume_info import Segment, count_nonfinite
 from .errors import fail
 
 if TYPE_CHECKING:
@@ -35,6 +35,8 @@ class LoadedVolume:
         What the reader noticed.
     modality, units : str
         DICOM modality and unit of the values, empty where unknown.
+    segments : list of Segment
+        What the values of a label map mean; empty for other volumes.
     """
 
     values: NDArray[Any]
@@ -44,6 +46,7 @@ class LoadedVolume:
     notes: list[str] = field(default_factory=list)
     modality: str = ""
     units: str = ""
+    segments: list[Segment] = field(default_factory=list)
 
 
 def check_dimension(source: Path, size: Sequence[int]) -> None:
