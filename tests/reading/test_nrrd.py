@@ -83,7 +83,8 @@ def test_bad_nrrd(tmp_path: Path, data: bytes, problem: str) -> None:
 def test_one_of_several_volumes_is_chosen(tmp_path: Path, where: str) -> None:
     path = tmp_path / "a.nrrd"
     steps = "(1,0,0) (0,1,0) (0,0,1)"
-    sizes, place = ("9 7 6 5", f"none {steps}") if where == "first" else ("7 6 5 9", f"{steps} none")
+    place = f"none {steps}" if where == "first" else f"{steps} none"
+    sizes = "9 7 6 5" if where == "first" else "7 6 5 9"
     kinds = "list domain domain domain" if where == "first" else "domain domain domain list"
     header = {"dimension": "4", "sizes": sizes, "space": "LPS", "space_directions": place}
     all_of_them = np.stack([VOXELS + 1000 * k for k in range(9)], -1 if where == "first" else 0)

@@ -121,19 +121,32 @@ def _native(header: FileHeader) -> Callable[[int], NDArray[Any]]:
         count = header.rows * header.columns * header.pixels.samples
         first_bit = index * count * header.pixels.allocated
         bits = count * header.pixels.allocated
-        with header.path.open("rb", buffering=0) as stream:
-            stream.seek(start + first_bit // 8)
-            data = bytearray((first_bit % 8 + bits + 7) // 8)
-            if stream.readinto(data) < len(data):
-                raise EOFError
+        length = (first_bit % 8 + bits + 7) // 8
+        if kind.itemsize == 1 and order == ">" and element[4:6] == b"OW":
+            return _shaped(_of_words(header.path, start, first_bit // 8, length), header)
+        data = _bytes(header.path, start + first_bit // 8, length)
         if header.pixels.allocated == 1:
             return _unpacked(data, first_bit % 8, header)
-        if kind.itemsize == 1 and order == ">" and element[4:6] == b"OW":
-            # Bytes of a big-endian word are swapped.
-            data = bytearray(np.frombuffer(data[: len(data) // 2 * 2], ">u2").astype("<u2"))
         return _shaped(np.frombuffer(data, kind.newbyteorder(order)), header)
 
     return plane
+
+
+def _bytes(path: Path, start: int, length: int) -> bytearray:
+    data = bytearray(length)
+    with path.open("rb", buffering=0) as stream:
+        stream.seek(start)
+        if stream.readinto(data) < length:
+            raise EOFError
+    return data
+
+
+def _of_words(path: Path, start: int, first: int, length: int) -> NDArray[np.uint8]:
+    """Return bytes that are stored in big-endian words, in which they are swapped."""
+    even = first // 2 * 2
+    words = _bytes(path, start + even, (first - even + length + 1) // 2 * 2)
+    swapped = np.frombuffer(words, np.uint16).byteswap().view(np.uint8)
+    return swapped[first - even :][:length]
 
 
 def _element_type(header: FileHeader, tag: bytes) -> np.dtype[Any]:
@@ -224,7 +237,7 @@ def _encapsulated(header: FileHeader) -> Callable[[int], NDArray[Any]]:
         with tempfile.TemporaryDirectory(prefix="vtkmcvr-") as folder:
             path = Path(folder) / "frame.dcm"
             _write_frame(path, header, frames[index])
-            values = _decode(path)
+            values = _decode_frame(path)
         if header.pixels.allocated == 1:
             return _unpacked(values.tobytes(), 0, header)
         shape = (header.rows, header.columns)
@@ -232,6 +245,16 @@ def _encapsulated(header: FileHeader) -> Callable[[int], NDArray[Any]]:
         return values.astype(stored_type(header), copy=False)
 
     return plane
+
+
+def _decode_frame(path: Path) -> NDArray[Any]:
+    try:
+        return _decode(path)
+    except RuntimeError:
+        # GDCM fails on small images in run lengths, which pydicom decodes.
+        from pydicom.pixels import pixel_array
+
+        return pixel_array(path, raw=True)
 
 
 def _write_frame(path: Path, header: FileHeader, frame: bytes) -> None:

@@ -134,7 +134,7 @@ def _describe(volume: LoadedVolume, stack: Sequence[Frame]) -> None:
         volume.units = "HU"
     elif hounsfield:
         volume.notes.append("the rescale type is not HU")
-    if header.unit == "GY":
+    if header.unit.upper() == "GY":
         volume.units = "Gy"
     if len({frame.rescale for frame in stack}) > 1:
         volume.notes.append(

@@ -20,7 +20,8 @@ if TYPE_CHECKING:
     from .options import ReadOptions
 
 IDENTITY_RESCALE = (1.0, 0.0)
-AIR_HU = -1000.0
+# Air, and the lowest value that scanners give it.
+AIR_HU, LOWEST_HU = -1000.0, -1024.0
 # Padding this close to the lowest value, as a share of the range, is left as it is.
 NEAR_LOWEST = 0.01
 Limits = tuple[float, float]
@@ -59,7 +60,7 @@ def read_values(
     -------
     values : ndarray, shape (slices, rows, columns) or (slices, rows, columns, components)
         slope x stored + intercept, each slice by its own, in int16 or uint16 where that is
-        exact, else int32 or float32. Padding is the lowest value, in HU at most that of air.
+        exact, else int32 or float32. Padding is the lowest value, in HU that of air.
     notes : list of str
         What was done to the values.
 
@@ -161,7 +162,9 @@ def _floor(
     assert stack.pixels is not None
     stored = [_as_stored(value, stack.pixels.dtype) for value in header.padding]
     padding = _rescaled((min(stored), max(stored)), rescales[0])
-    floor = min(lowest, AIR_HU) if header.modality == "CT" and rescales[0][1] < 0 else lowest
+    floor = lowest
+    if header.modality == "CT" and rescales[0][1] < 0:
+        floor = min(max(lowest, LOWEST_HU), AIR_HU)
     if abs(padding[0] - floor) <= NEAR_LOWEST * (highest - lowest) and padding[0] == padding[1]:
         return None, []
     return floor, [f"{count} padding voxels (value {padding[0]:g}) set to {floor:g}"]

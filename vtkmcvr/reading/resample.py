@@ -90,7 +90,7 @@ def to_box(volume: LoadedVolume) -> LoadedVolume:
     inside = world @ axes
     low, high = inside.min(axis=0), inside.max(axis=0)
     spacing = volume.spacing * np.abs(np.sum(axes * volume.direction, axis=0))
-    size = [int(n) for n in np.floor((high - low) / spacing + 1.0 + 1e-6)]
+    size = [int(n) for n in np.ceil((high - low) / spacing - 1e-6) + 1]
     filter_ = SimpleITK.ResampleImageFilter()
     filter_.SetSize(size)
     filter_.SetOutputSpacing([float(x) for x in spacing])
@@ -98,8 +98,12 @@ def to_box(volume: LoadedVolume) -> LoadedVolume:
     filter_.SetOutputDirection([float(x) for x in axes.ravel()])
     filter_.SetInterpolator(SimpleITK.sitkLinear)
     filter_.SetDefaultPixelValue(_lowest(volume.values))
-    moved = filter_.Execute(image_from_volume(volume))
-    volume.values = SimpleITK.GetArrayFromImage(moved)
+    kind = volume.values.dtype
+    if kind.kind in "iu":
+        # ITK would cut off the fractions of interpolated whole numbers.
+        volume.values = volume.values.astype(np.float32 if kind.itemsize < 4 else np.float64)
+    moved = SimpleITK.GetArrayFromImage(filter_.Execute(image_from_volume(volume)))
+    volume.values = np.rint(moved).astype(kind) if kind.kind in "iu" else moved
     volume.spacing, volume.origin, volume.direction = spacing, axes @ low, axes
     volume.notes.append("sheared, resampled to a box")
     return volume

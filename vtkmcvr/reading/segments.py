@@ -129,7 +129,8 @@ def _from_json(content: Any) -> list[Segment | None]:
         pairs = ((_whole(k), v) if _whole(k) is not None else (_whole(v), k)
                  for k, v in content.items())  # fmt: skip
         content = [{"value": value, "name": str(name)} for value, name in pairs]
-    return [_from_object(item) for item in content if isinstance(item, dict)]
+    items = content if isinstance(content, list) else []
+    return [_from_object(item) for item in items if isinstance(item, dict)]
 
 
 def _from_object(item: dict[str, Any]) -> Segment | None:
