@@ -26,6 +26,7 @@ SECONDS_PER_UNIT = {8: 1.0, 16: 1e-3, 24: 1e-6}
 VECTOR_INTENT = 1007
 LABEL_INTENT = 1002
 EXTENSION_LIMIT = 1 << 24
+HALF_TURN = 1e-7
 
 
 @dataclass
@@ -188,9 +189,11 @@ def _place(
 def _rotation(b: float, c: float, d: float) -> NDArray[np.float64]:
     """Return the rotation of a unit quaternion given without its real part."""
     square = b * b + c * c + d * d
-    if square > 1.0:
+    if square > 1.0 - HALF_TURN:
+        # The real part is lost in the rounding of float32: a half turn.
         b, c, d = (x / square**0.5 for x in (b, c, d))
-    a = max(1.0 - (b * b + c * c + d * d), 0.0) ** 0.5
+        square = 1.0
+    a = (1.0 - square) ** 0.5
     return np.array(
         [
             [a * a + b * b - c * c - d * d, 2 * (b * c - a * d), 2 * (b * d + a * c)],

@@ -102,7 +102,8 @@ def _header(source: Path, stream: Any) -> tuple[tuple[int, ...], np.dtype[Any]]:
             (2, 0): np.lib.format.read_array_header_2_0,
         }[version]
         shape, _, kind = reader(stream)
-    except (ValueError, KeyError, EOFError):
+    except Exception:
+        # NumPy evaluates the header as Python, with as many kinds of error.
         fail(source, "not a NumPy file, or its header is damaged; write the array again")
     return shape, kind
 

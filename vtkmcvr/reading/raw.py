@@ -62,7 +62,7 @@ class RawLayout:
             raise ValueError("offset of a raw file must be 0 or more, components 1 or more")
 
 
-def raw_layout(given: Mapping[str, Any] | str) -> RawLayout:
+def raw_layout(given: RawLayout | Mapping[str, Any] | str) -> RawLayout:
     """Return a layout from its parts, or from text such as "256x256x113:uint16:big:512".
 
     Raises
@@ -70,6 +70,8 @@ def raw_layout(given: Mapping[str, Any] | str) -> RawLayout:
     ValueError
         For a layout that makes no sense.
     """
+    if isinstance(given, RawLayout):
+        return given
     if not isinstance(given, str):
         unknown = sorted(given.keys() - {part.name for part in fields(RawLayout)})
         if unknown or not {"size", "dtype"} <= given.keys():
