@@ -6,10 +6,12 @@ import argparse
 from typing import Any
 
 from .camera_options import add_camera_options
+from .inputs import add_input_options
 
 
 def add_render_options(parser: argparse.ArgumentParser) -> None:
     """Everything that decides a picture."""
+    add_input_options(parser, all_times=True)
     add = parser.add_argument
     add("--preset", help="look; see `vtkmcvr presets`. Default: chosen from the values")
     add("--size", type=_size, default=(800, 600), metavar="WxH", help="pixels, default 800x600")
@@ -39,7 +41,6 @@ def add_render_options(parser: argparse.ArgumentParser) -> None:
         "do not say which way they were stored",
     )
     add("--shift", type=float, help="added to the values to get HU; default: detected")
-    add("--series", help="series UID or number, where a DICOM folder holds several")
     add("--environment", metavar="MAP", help="light by this .hdr or .exr panorama instead")
     add_camera_options(parser)
     add("--bits", type=int, choices=(8, 16), default=8, help="of a .png")

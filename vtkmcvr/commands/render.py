@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from .. import __version__
 from .camera_options import camera_options
-from .inputs import read_input
+from .inputs import read_as_asked
 from .options import add_render_options
 from .terminal import Bar, Interrupt, say_to, write_json
 
@@ -40,7 +40,7 @@ def add_render(commands: Any) -> None:
 
 def _demo(args: argparse.Namespace) -> int:
     if args.input is not None:
-        return make_picture(read_input(args.input, args.series), args, explain=True)
+        return make_picture(read_as_asked(args.input, args), args, explain=True)
     from ..phantom import head_phantom
     from ..scene import Volume
 
@@ -56,17 +56,36 @@ def _demo(args: argparse.Namespace) -> int:
 def _render(args: argparse.Namespace) -> int:
     from ..picture import check_suffix
 
+    if args.time == "all":
+        from .sequence import make_sequence
+
+        return make_sequence(args)
     check_suffix(args.output)
-    return make_picture(read_input(args.input, args.series), args)
+    return make_picture(read_as_asked(args.input, args), args)
 
 
 def make_picture(data: Any, args: argparse.Namespace, *, explain: bool = False) -> int:
     """Render, save, report; returns the exit status."""
-    from ..front import BACKDROP, render
     from ..picture import check_suffix
 
     check_suffix(args.output)
     say = say_to(args)
+    picture = picture_of(data, args)
+    picture.save(args.output, bits=args.bits)
+    if explain:
+        say(picture.plan.explain())
+    for note in picture.recipe["notes"]:
+        say(f"note: {note}")
+    say(_cost(picture))
+    say(f"picture: {Path(args.output).resolve()}")
+    write_json(args.json, picture_facts(picture))
+    return 0
+
+
+def picture_of(data: Any, args: argparse.Namespace) -> Picture:
+    """Render as the arguments say."""
+    from ..front import BACKDROP, render
+
     data = _flipped(data, args.flip)
     options = _scene_options(data, args)
     background = {"preset": BACKDROP, "transparent": None}.get(args.background, args.background)
@@ -77,18 +96,8 @@ def make_picture(data: Any, args: argparse.Namespace, *, explain: bool = False) 
             exposure=args.exposure, background=background, progress=bar, abort=stop.is_set,
             **options,
         )  # fmt: skip
-    if args.denoise:
-        picture = picture.denoised(args.denoise)
-    picture.save(args.output, bits=args.bits)
-    if explain:
-        say(picture.plan.explain())
-    for note in picture.recipe["notes"]:
-        say(f"note: {note}")
-    say(_cost(picture))
-    say(f"picture: {Path(args.output).resolve()}")
-    write_json(args.json, _facts(picture))
-    return 0
-
+    return picture.denoised(args.denoise) if args.denoise else picture
+   
 
 def _flipped(data: Any, axes: str | None) -> Any:
     if axes is None:
@@ -118,7 +127,8 @@ def _scene_options(data: Any, args: argparse.Namespace) -> dict[str, Any]:
     return camera_options(data, options, args)
 
 
-def _facts(picture: Picture) -> dict[str, Any]:
+def picture_facts(picture: Picture) -> dict[str, Any]:
+    """What was measured, ready for JSON."""
     return {
         **picture.facts(),
         "volume": picture.recipe["volume"],
