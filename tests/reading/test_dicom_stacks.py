@@ -128,9 +128,9 @@ def ramp(points: np.ndarray) -> np.ndarray:
     return 40.0 * points[..., 0] - 24.0 * points[..., 1] + 60.0 * points[..., 2] + 500.0
 
 
-def axial_series(folder: Path, places: list[list[float]], rows: int = 12, columns: int = 10) -> Path:
+def axial_series(folder: Path, places: list[list[float]]) -> Path:
     """Write axial slices of `ramp` with pixels of 1 mm; values are whole."""
-    j, i = np.indices((rows, columns))
+    j, i = np.indices((12, 10))
     points = np.stack([i, j, np.zeros_like(i)], axis=-1)
     pixels = np.stack([ramp(points + place) for place in places]).astype(np.int16)
     geometry = {"ImageOrientationPatient": AXIAL, "PixelSpacing": [1.0, 1.0]}

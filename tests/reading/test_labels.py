@@ -101,7 +101,7 @@ def test_bad_tables_and_values(tmp_path: Path) -> None:
     table = tmp_path / "x.json"
     for text in ("{", "[]", "[" * 10_000, '{"labels": 3}'):
         table.write_text(text)
-        with pytest.raises(VolumeReadError, match="table of labels|names no label"):
+        with pytest.raises(VolumeReadError, match=r"table of labels|names no label"):
             read_labels(path, table=table)
     for values in (VOXELS, LABELS * 0.5, LABELS.astype(np.int32) * 70_000):
         with pytest.raises(VolumeReadError, match="labels are whole numbers from 0 to 65535"):

@@ -12,7 +12,18 @@ import pyvista
 import SimpleITK
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from made_volumes import DATA, OBLIQUE, ORIGIN, SPACING, VOXELS, affine, error_of, real, save, voxels
+from made_volumes import (
+    DATA,
+    OBLIQUE,
+    ORIGIN,
+    SPACING,
+    VOXELS,
+    affine,
+    error_of,
+    real,
+    save,
+    voxels,
+)
 
 from vtkmcvr.readers import RawLayout, VolumeReadError, notes, read
 
@@ -266,7 +277,8 @@ def test_vectors_and_colours_of_nifti(tmp_path: Path) -> None:
     image = nibabel.Nifti1Image(vectors, np.eye(4))
     image.header.set_intent("vector")
     nibabel.save(image, tmp_path / "v.nii")
-    np.testing.assert_array_equal(voxels(read(tmp_path / "v.nii")), vectors[..., 0, :].transpose(2, 1, 0, 3))  # fmt: skip
+    expected = vectors[..., 0, :].transpose(2, 1, 0, 3)
+    np.testing.assert_array_equal(voxels(read(tmp_path / "v.nii")), expected)
     colours = np.zeros((7, 6, 5), [("R", "u1"), ("G", "u1"), ("B", "u1")])
     colours["G"] = np.abs(VOXELS.T)
     nibabel.save(nibabel.Nifti1Image(colours, np.eye(4)), tmp_path / "c.nii")

@@ -46,6 +46,9 @@ def make_sequence(args: argparse.Namespace) -> int:
             picture.save(path)
             say(f"picture {index + 1} of {len(times)}: time {time:g}, {path.resolve()}")
         facts.append({**picture_facts(picture), "time": time})
+        if picture.stopped_by == "user":
+            say(f"interrupted after {index + 1} of {len(times)}")
+            break
     if movie:
         write_movie(output, frames, _frame_seconds(times))
         say(f"movie: {output.resolve()}")

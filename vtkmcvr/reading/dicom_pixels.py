@@ -5,7 +5,7 @@ from __future__ import annotations
 import tempfile
 from collections import defaultdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -115,7 +115,7 @@ def _native(header: FileHeader) -> Callable[[int], NDArray[Any]]:
     explicit = element[4:6] in (b"OB", b"OW", b"OF", b"OD", b"UN")
     start = header.pixel_offset + (12 if explicit else 8)
     kind = _element_type(header, element[:4])
-    order = ">" if header.syntax == BIG_ENDIAN else "<"
+    order: Literal["<", ">"] = ">" if header.syntax == BIG_ENDIAN else "<"
 
     def plane(index: int) -> NDArray[Any]:
         count = header.rows * header.columns * header.pixels.samples
@@ -260,11 +260,11 @@ def _decode_frame(path: Path) -> NDArray[Any]:
 def _write_frame(path: Path, header: FileHeader, frame: bytes) -> None:
     from pydicom.dataset import Dataset, FileMetaDataset
     from pydicom.encaps import encapsulate
-    from pydicom.uid import SecondaryCaptureImageStorage, generate_uid
+    from pydicom.uid import UID, SecondaryCaptureImageStorage, generate_uid
 
     dataset = Dataset()
     dataset.file_meta = FileMetaDataset()
-    dataset.file_meta.TransferSyntaxUID = header.syntax
+    dataset.file_meta.TransferSyntaxUID = UID(header.syntax)
     dataset.file_meta.MediaStorageSOPClassUID = SecondaryCaptureImageStorage
     dataset.SOPClassUID = SecondaryCaptureImageStorage
     dataset.file_meta.MediaStorageSOPInstanceUID = dataset.SOPInstanceUID = generate_uid()

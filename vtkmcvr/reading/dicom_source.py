@@ -25,8 +25,7 @@ if TYPE_CHECKING:
     from .dicom_stack import Volumes
     from .options import ReadOptions
 
-# Stored pixels, and their float copy where the values are no whole numbers.
-BYTES_PER_VOXEL = 6
+FLOAT_BYTES = 4
 
 
 def series_source(
@@ -63,7 +62,6 @@ def series_source(
     label = f"{source}: {label}"
     volumes = sort_volumes(frames, label, options)
     check_rescale(frames, label)
-    samples = max(frame.file.pixels.samples for frame in frames)
     size = (first.columns, first.rows, len(volumes.stacks[0]))
 
     @quiet_pydicom()
@@ -72,11 +70,19 @@ def series_source(
 
     return VolumeSource(
         size=size,
-        memory=int(np.prod(size, dtype=object)) * samples * BYTES_PER_VOXEL,
+        memory=int(np.prod(size, dtype=object)) * _bytes_per_voxel(frames),
         load=load,
         times=volumes.times,
         choose=volumes.differ,
     )
+
+
+def _bytes_per_voxel(frames: Sequence[Frame]) -> int:
+    """Return the stored bytes, and those of a float copy where values are no whole numbers."""
+    pixels = frames[0].file.pixels
+    stored = max(pixels.allocated // 8, 1) * pixels.samples
+    whole = all((frame.rescale or IDENTITY_RESCALE)[0].is_integer() for frame in frames)
+    return stored if whole else stored + FLOAT_BYTES
 
 
 def _all_frames(group: Sequence[Frame], noted: list[str]) -> list[Frame]:

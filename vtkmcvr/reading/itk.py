@@ -64,7 +64,7 @@ def open_with_itk(
         value = sitk.Image([1] * len(size), reader.GetPixelID(), reader.GetNumberOfComponents())
     if files:
         size = [*size[:2], len(files)]
-    check_dimension(source, size)
+    check_dimension(source, size[:3])
     step = reader.GetSpacing()[3] if len(size) > 3 else 1.0
     volumes = int(np.prod(size[3:], dtype=object))
     voxels = int(np.prod(size[:3], dtype=object))

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from .source import VolumeSource
 
 LINE_LIMIT = 1 << 16
+DIMENSIONS = 4
 BYTES = {
     "MET_CHAR": 1, "MET_UCHAR": 1, "MET_SHORT": 2, "MET_USHORT": 2, "MET_INT": 4, "MET_UINT": 4,
     "MET_LONG": 4, "MET_ULONG": 4, "MET_LONG_LONG": 8, "MET_ULONG_LONG": 8, "MET_FLOAT": 4,
@@ -64,7 +65,9 @@ def _check_size(source: Path, header: dict[str, str], data: Path) -> None:
     size = [int(word) for word in header.get("dimsize", "").replace(",", " ").split()]
     if int(header.get("ndims", "0")) != len(size) or min(size, default=0) < 1:
         raise ValueError("DimSize does not have NDims numbers")
-    check_dimension(source, size)
+    if len(size) > DIMENSIONS:
+        fail(source, f"{len(size)} dimensions are too many; save it with {DIMENSIONS} or less")
+    check_dimension(source, size[:3])
     kind = header.get("elementtype", "").upper().removesuffix("_ARRAY")
     if kind not in BYTES:
         fail(source, f"MetaImage voxels of type {kind[:40]!r} are not supported; save another type")

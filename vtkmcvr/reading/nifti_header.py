@@ -125,7 +125,7 @@ def read_nifti_header(source: Path, head: bytes) -> NiftiHeader:
         size=list(sizes[:3]),
         components=rest if vector else colours,
         volumes=1 if vector else rest,
-        kind=np.dtype(name[-2:]).newbyteorder(order),
+        kind=np.dtype(order + name[-2:]),
         offset=_offset(get(layout.offset)[0]),
         slope=slope if np.isfinite(slope) and slope else 1.0,
         intercept=intercept if np.isfinite(slope) and slope and np.isfinite(intercept) else 0.0,

@@ -97,8 +97,9 @@ def read_nrrd_header(source: Path) -> NrrdHeader:
     names = [name for name, spellings in TYPES.items() if kind in spellings]
     if not names:
         fail(source, f"unknown type of voxels {kind[:40]!r}; save it as a type of numbers")
-    order = "<" if fields.get("endian", "little").lower() == "little" else ">"
-    header.kind = np.dtype(names[0]).newbyteorder(order)
+    header.kind = np.dtype(names[0])
+    if fields.get("endian", "little").lower() != "little":
+        header.kind = header.kind.newbyteorder(">")
     encoding = fields.get("encoding", "").lower()
     if encoding not in ENCODINGS:
         fail(source, f"unknown encoding {encoding[:40]!r}; allowed are {', '.join(ENCODINGS)}")

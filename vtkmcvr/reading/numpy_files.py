@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 PLACE = ("spacing", "origin", "direction")
 
 
-def volume_from_array(source: Path | str, values: Any, options: ReadOptions) -> LoadedVolume:
+def volume_from_array(source: Path, values: Any, options: ReadOptions) -> LoadedVolume:
     """Return an array as a volume; its axes are k, j, i and perhaps the component.
 
     Raises
@@ -47,7 +47,7 @@ def volume_from_array(source: Path | str, values: Any, options: ReadOptions) -> 
     )
 
 
-def _check_array(source: Path | str, kind: np.dtype[Any], shape: tuple[int, ...]) -> None:
+def _check_array(source: Path, kind: np.dtype[Any], shape: tuple[int, ...]) -> None:
     if kind.kind not in "biuf" or kind.itemsize > 8:
         raise VolumeReadError(f"{source}: an array of {kind} is not one of numbers; convert it.")
     components = shape[3] if len(shape) == 4 else 1

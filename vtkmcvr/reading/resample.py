@@ -7,8 +7,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import NDArray
 
     from .volume import LoadedVolume
@@ -18,7 +16,7 @@ RIGHT_ANGLE = 1e-4
 
 def resample_slices(
     values: NDArray[Any], positions: NDArray[np.float64], axes: NDArray[np.float64],
-    spacing: Sequence[float],
+    spacing: NDArray[np.float64],
 ) -> tuple[NDArray[Any], NDArray[np.float64]]:  # fmt: skip
     """Interpolate slices linearly between their true positions.
 
@@ -30,7 +28,7 @@ def resample_slices(
         Centre of the first pixel of each slice, in mm.
     axes : ndarray, shape (3, 3)
         Columns: unit vectors of growing column index, growing row index, and the normal.
-    spacing : sequence of 2 floats
+    spacing : ndarray, shape (2,)
         Between columns and between rows, in mm.
 
     Returns

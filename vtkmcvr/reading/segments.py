@@ -100,8 +100,8 @@ def read_sidecar(path: Path) -> list[Segment]:
 def _from_line(line: str) -> Segment | None:
     snap = ITK_SNAP.match(line)
     if snap:
-        value = int(snap[1])
-        return Segment(value, snap[5], _colour(snap.groups()[1:4], 255.0) or spread_colour(value))
+        label = int(snap[1])
+        return Segment(label, snap[5], _colour(snap.groups()[1:4], 255.0) or spread_colour(label))
     words = line.split()
     value = _whole(words[0]) if len(words) > 1 else None
     if value is None:

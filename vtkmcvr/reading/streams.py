@@ -62,7 +62,7 @@ def fill(
     VolumeReadError
         If the stream ends early or is damaged.
     """
-    view = memoryview(target.reshape(-1).view(np.uint8))
+    view: Any = memoryview(target.reshape(-1).view(np.uint8))  # type: ignore[arg-type]
     done = 0
     try:
         while done < len(view):

@@ -50,22 +50,15 @@ class LoadedVolume:
 
 
 def check_dimension(source: Path, size: Sequence[int]) -> None:
-    """Refuse an image with more or fewer than three dimensions; `size` runs from i on.
+    """Refuse an image that is flat along an axis; `size` runs from i on.
 
     Raises
     ------
     VolumeReadError
-        If it is 4-D, or has fewer than 2 voxels along an axis.
+        If it has fewer than 3 axes, or fewer than 2 voxels along one.
     """
-    if len(size) > 3 and int(np.prod(size[3:])) > 1:
-        fail(source, four_dimensional(int(np.prod(size[3:]))))
     if len(size) < 3 or min(size[:3]) < 2:
         fail(source, _too_flat(size[:3]))
-
-
-def four_dimensional(volumes: int) -> str:
-    """Say why several volumes in one file are refused."""
-    return f"a 4-D image with {volumes} volumes; save the one to show as a 3-D file"
 
 
 def _too_flat(size: Sequence[int]) -> str:
