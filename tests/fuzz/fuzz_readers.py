@@ -12,6 +12,7 @@ from __future__ import annotations
 import multiprocessing
 import random
 import resource
+import shutil
 import struct
 import sys
 import tempfile
@@ -58,7 +59,7 @@ def seeds(folder: Path) -> list[Path]:
         for file in series.iterdir():
             archive.write(file, file.name)
     files = [path for path in sorted(folder.iterdir()) if path.is_file()]
-    return [*files, next(iter(series.iterdir()))]
+    return [*files, *sorted(series.iterdir())]
 
 
 def damaged(data: bytes, source: random.Random) -> bytes:
@@ -145,8 +146,8 @@ def main(seconds: float, seed: int, keep: Path) -> int:
     source = random.Random(seed)
     failures: dict[str, int] = {}
     tried = 0
-    with tempfile.TemporaryDirectory() as place:
-        folder = Path(place)
+    with tempfile.TemporaryDirectory() as root:
+        folder = Path(root)
         (folder / "seeds").mkdir()
         whole = [(path, path.read_bytes()) for path in seeds(folder / "seeds")]
         worker = Worker()
@@ -157,10 +158,15 @@ def main(seconds: float, seed: int, keep: Path) -> int:
         end = time.monotonic() + seconds
         while time.monotonic() < end:
             path, data = source.choice(whole)
-            target = folder / f"{tried}" / path.name
-            target.parent.mkdir()
+            place = folder / f"{tried}"
+            target = place / path.name
+            place.mkdir()
+            if path.parent.name == "series":
+                # One damaged slice among whole ones; the folder is read.
+                for other in path.parent.iterdir():
+                    (place / other.name).write_bytes(other.read_bytes())
             target.write_bytes(damaged(data, source))
-            problem = worker.read(target)
+            problem = worker.read(place if path.parent.name == "series" else target)
             tried += 1
             if problem:
                 key = problem.strip().splitlines()[-1][:120]
@@ -169,8 +175,7 @@ def main(seconds: float, seed: int, keep: Path) -> int:
                     keep.mkdir(parents=True, exist_ok=True)
                     (keep / f"{seed}-{tried}-{path.name}").write_bytes(target.read_bytes())
                     print(f"{path.name}: {problem}", flush=True)
-            target.unlink()
-            target.parent.rmdir()
+            shutil.rmtree(place)
         worker.process.kill()
     print(f"{tried} files in {seconds:g} s, seed {seed}: {sum(failures.values())} failures")
     for key, count in failures.items():

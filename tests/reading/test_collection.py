@@ -183,6 +183,56 @@ def test_variant_is_the_same_object(name: str) -> None:
     np.testing.assert_array_equal(values.ravel()[finite], expected[finite])
 
 
+SAME_ARRAYS = [
+    "02_ras_gzip.nrrd",
+    "03_las_gzip.nrrd",
+    "07_detached_raw.nhdr",
+    "08_detached_bzip2.nhdr",
+    "09_detached_gzip.nhdr",
+    "10_big_endian.nrrd",
+    "18_float64.nrrd",
+]
+
+
+def picture_of(path: Path) -> np.ndarray:
+    from vtkmcvr import render
+
+    picture = render(read(path), preset="ct-bone", size=(24, 18), samples=2, seed=3, threads=1)
+    return picture.radiance
+
+
+def test_variants_with_the_same_array_give_one_picture_bit_for_bit() -> None:
+    first = picture_of(real("nrrd/variants/01_lps_gzip.nrrd"))
+    assert first.max() > 0.01
+    for name in SAME_ARRAYS:
+        np.testing.assert_array_equal(picture_of(real(f"nrrd/variants/{name}")), first)
+    oblique = picture_of(real("nrrd/variants/06_oblique.nrrd"))
+    np.testing.assert_array_equal(picture_of(real("metaimage/oblique_head.mha")), oblique)
+    assert not np.array_equal(oblique, first)
+
+
+def test_flipped_and_permuted_axes_give_the_same_picture_within_noise() -> None:
+    """Alpha is a mean of samples from 0 to 1, so its standard error is below 0.5 / sqrt(n)."""
+    from vtkmcvr import render
+
+    names = ("01_lps_gzip.nrrd", "04_flipped_axes.nrrd", "05_permuted_axes.nrrd",
+             "19_left_handed_det.nrrd", "13_float32_cell.nrrd")  # fmt: skip
+    samples = 24
+    alphas = [
+        render(read(real(f"nrrd/variants/{name}")), preset="ct-bone", size=(24, 18),
+               samples=samples, seed=k, threads=1).alpha
+        for k, name in enumerate(names)
+    ]  # fmt: skip
+    # Difference of two means over all pixels: 6 standard deviations.
+    allowed = 6 * 0.5 * np.sqrt(2 / samples)
+    for alpha in alphas[1:]:
+        assert np.abs(alpha - alphas[0]).max() < allowed
+        spread = allowed / np.sqrt(alpha.size)
+        assert abs(float(alpha.mean() - alphas[0].mean())) < spread
+    mirrored = alphas[0][:, ::-1]
+    assert np.abs(mirrored - alphas[0]).max() > allowed or np.abs(mirrored - alphas[0]).mean() > 0.01
+
+
 def test_the_same_anatomy_from_three_formats_is_one_volume(tmp_path: Path) -> None:
     """What a series holds survives as NRRD, NIfTI and MetaImage, values and place."""
     import SimpleITK

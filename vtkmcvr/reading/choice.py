@@ -51,6 +51,8 @@ def unpack(source: Path, options: ReadOptions, stack: ExitStack) -> Path:
     """
     if not source.exists():
         fail(source, "no such file or folder; check the path")
+    if not source.is_dir() and not source.is_file():
+        fail(source, "neither a file nor a folder; give one of them")
     if source.is_dir() or source.suffix.lower() != ".zip":
         return source
     folder = unpacked(source, options, stack)

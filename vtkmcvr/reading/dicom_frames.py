@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
     from .dicom_headers import FileHeader
 
+# A frame of one bit per pixel and few pixels takes no less, in bytes.
+SMALLEST_FRAME = 1
 GUESSED = "the file gives no place for its frames: steps of {:g} mm along LPS axes are assumed"
 TRAIT_GROUPS = {
     "image type": ("MRImageFrameTypeSequence", "CTImageFrameTypeSequence", "PETFrameTypeSequence"),
@@ -54,6 +56,9 @@ def frames_of(header: FileHeader) -> tuple[list[Frame], list[str]]:
     VolumeReadError
         If the header places another number of frames than it has.
     """
+    if header.frames * SMALLEST_FRAME > header.path.stat().st_size:
+        fail(header.path, f"the header promises {header.frames} frames, for which the file is too "
+             "short; copy or export it again")  # fmt: skip
     dataset, _ = read_dataset(header.path)
     groups = items_of(dataset, "PerFrameFunctionalGroupsSequence")
     if groups and len(groups) != header.frames:

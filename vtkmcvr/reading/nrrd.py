@@ -92,7 +92,7 @@ def _load(header: NrrdHeader, index: int, layers: bool, options: ReadOptions) ->
     else:
         values = values[index]
     spacing = np.linalg.norm(header.directions, axis=0)
-    if not (spacing > 0).all():
+    if not (np.isfinite(spacing).all() and spacing.min() > 0):
         fail(header.path, "an axis of the file has no direction; export the file again")
     volume = LoadedVolume(
         values=compact_values(values, noted),
