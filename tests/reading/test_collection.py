@@ -211,6 +211,7 @@ def test_variants_with_the_same_array_give_one_picture_bit_for_bit() -> None:
     assert not np.array_equal(oblique, first)
 
 
+@pytest.mark.slow
 def test_flipped_and_permuted_axes_give_the_same_picture_within_noise() -> None:
     """Alpha is a mean of samples from 0 to 1, so its standard error is below 0.5 / sqrt(n)."""
     from vtkmcvr import render
@@ -229,8 +230,8 @@ def test_flipped_and_permuted_axes_give_the_same_picture_within_noise() -> None:
         assert np.abs(alpha - alphas[0]).max() < allowed
         spread = allowed / np.sqrt(alpha.size)
         assert abs(float(alpha.mean() - alphas[0].mean())) < spread
-    mirrored = alphas[0][:, ::-1]
-    assert np.abs(mirrored - alphas[0]).max() > allowed or np.abs(mirrored - alphas[0]).mean() > 0.01
+    # A flipped head would be seen.
+    assert np.abs(alphas[0][::-1] - alphas[0]).max() > allowed
 
 
 def test_the_same_anatomy_from_three_formats_is_one_volume(tmp_path: Path) -> None:
