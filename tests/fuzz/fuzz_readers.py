@@ -59,7 +59,27 @@ def seeds(folder: Path) -> list[Path]:
         for file in series.iterdir():
             archive.write(file, file.name)
     files = [path for path in sorted(folder.iterdir()) if path.is_file()]
-    return [*files, *sorted(series.iterdir())]
+    folders = [series, *_packed_series(folder)]
+    return [*files, *(file for place in folders for file in sorted(place.iterdir()))]
+
+
+def _packed_series(folder: Path) -> list[Path]:
+    """Write two slices each of the packed images that come with pydicom."""
+    import pydicom
+    from pydicom.data import get_testdata_file
+
+    places = []
+    for name in ("RLE", "jp2klossless", "jpeg_ls_lossless"):
+        dataset = pydicom.dcmread(get_testdata_file(f"MR_small_{name}.dcm"))
+        place = folder / f"series-{name}"
+        place.mkdir()
+        for number in (0, 1):
+            dataset.SOPInstanceUID = f"1.2.{number + 1}"
+            dataset.ImagePositionPatient = [0, 0, number]
+            dataset.ImageOrientationPatient = [1, 0, 0, 0, 1, 0]
+            dataset.save_as(place / f"{number}.dcm")
+        places.append(place)
+    return places
 
 
 def damaged(data: bytes, source: random.Random) -> bytes:
@@ -68,7 +88,7 @@ def damaged(data: bytes, source: random.Random) -> bytes:
     for _ in range(source.randint(1, 4)):
         if not changed:
             break
-        at = int(len(changed) * source.random() ** 3)
+        at = int(len(changed) * source.random() ** source.choice((1, 3)))
         kind = source.randrange(6)
         if kind == 0:
             changed[at] = source.randrange(256)
@@ -161,12 +181,12 @@ def main(seconds: float, seed: int, keep: Path) -> int:
             place = folder / f"{tried}"
             target = place / path.name
             place.mkdir()
-            if path.parent.name == "series":
+            if path.parent.name.startswith("series"):
                 # One damaged slice among whole ones; the folder is read.
                 for other in path.parent.iterdir():
                     (place / other.name).write_bytes(other.read_bytes())
             target.write_bytes(damaged(data, source))
-            problem = worker.read(place if path.parent.name == "series" else target)
+            problem = worker.read(place if path.parent.name.startswith("series") else target)
             tried += 1
             if problem:
                 key = problem.strip().splitlines()[-1][:120]

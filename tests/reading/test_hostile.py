@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import bz2
+import contextlib
 import gzip
 import os
 import resource
@@ -256,6 +257,45 @@ def test_nothing_is_left_behind_in_the_temporary_folder(tmp_path: Path) -> None:
     )  # fmt: skip
     assert f"{archive}: file" in done.stdout
     assert list(place.iterdir()) == []
+
+
+# What the fuzzer found
+
+
+def test_numbers_that_made_another_reader_hang(tmp_path: Path) -> None:
+    """MetaIO never came back from a matrix that is not finite."""
+    path = tmp_path / "a.mha"
+    matrix = "1 0 0 0 1 0 0 0 41e308"
+    path.write_bytes(metaimage("7 6 5", bytes(210), TransformMatrix=matrix))
+    assert "the header is damaged" in error_of(path)
+
+
+def test_pages_that_made_another_reader_write_behind_its_memory(tmp_path: Path) -> None:
+    """libtiff in ITK broke the heap where the sizes of the strips are missing."""
+    import SimpleITK
+
+    path = tmp_path / "a.tif"
+    SimpleITK.WriteImage(SimpleITK.GetImageFromArray(np.abs(VOXELS).astype(np.uint16)), str(path))
+    whole = path.read_bytes()
+    tag = whole.find(struct.pack("<HH", 279, 4))
+    assert tag > 0
+    for at in range(tag, tag + 12):
+        path.write_bytes(whole[:at] + b"\xff" + whole[at + 1 :])
+        with contextlib.suppress(VolumeReadError):
+            assert voxels(read(path)).shape == VOXELS.shape
+
+
+def test_an_unknown_kind_of_colours_is_refused(tmp_path: Path) -> None:
+    """GDCM never came back from some damaged headers; it gets frames in whole ones only."""
+    folder = write_series(tmp_path / "a", PhotometricInterpretation="MONOCHROME9")
+    assert "the pixels of a slice cannot be decoded" in error_of(folder)
+
+
+def test_a_legacy_header_that_ends_in_a_word(tmp_path: Path) -> None:
+    path = tmp_path / "a.vtk"
+    for text in ("DIMENSIONS 7 6 5\nSCALARS", "DIMENSIONS 7", "DIMENSIONS 7 6 5 SCALARS s"):
+        path.write_text("# vtk DataFile Version 3.0\nx\nBINARY\nDATASET STRUCTURED_POINTS\n" + text)
+        error_of(path)
 
 
 def test_one_file_is_never_changed_by_reading_it(tmp_path: Path) -> None:

@@ -192,7 +192,13 @@ def test_tiff_stack_and_folder(tmp_path: Path) -> None:
     assert any("no spacing" in note for note in notes(image))
     assert "give the folder that holds all its slices" in error_of(folder / "s3.tif")
     (folder / "s4.tif").write_bytes(b"text")
-    assert "not a TIFF file" in error_of(folder)
+    assert "damaged or truncated TIFF data" in error_of(folder)
+    whole = (tmp_path / "a.tif").read_bytes()
+    (tmp_path / "a.tif").write_bytes(b"text" + whole)
+    assert "not a TIFF file" in error_of(tmp_path / "a.tif")
+    for cut in range(200, len(whole), 40):
+        (tmp_path / "a.tif").write_bytes(whole[:-cut])
+        assert "not a TIFF file, or it is damaged" in error_of(tmp_path / "a.tif")
 
 
 # NIfTI, against nibabel
@@ -301,6 +307,45 @@ def test_nifti_without_voxels(tmp_path: Path) -> None:
 def nrrd_files() -> list[str]:
     folder = DATA / "nrrd" / "variants"
     return sorted(path.name for path in folder.glob("*.n*rrd"))
+
+
+@pytest.mark.parametrize("name", ["HeadMRVolume.mhd", "frogtissue_fixed.mhd", "oblique_head.mha"])
+def test_metaimage_equals_simpleitk(name: str) -> None:
+    path = real(f"metaimage/{name}")
+    image, itk = read(path), SimpleITK.ReadImage(str(path))
+    np.testing.assert_array_equal(voxels(image), SimpleITK.GetArrayFromImage(itk))
+    matrix = np.reshape(itk.GetDirection(), (3, 3)) * itk.GetSpacing()
+    np.testing.assert_allclose(affine(image)[:3, :3], matrix, rtol=1e-6, atol=1e-9)
+    np.testing.assert_allclose(image.origin, itk.GetOrigin(), rtol=1e-6)
+
+
+@pytest.mark.parametrize("packed", [False, True])
+@pytest.mark.parametrize("kind", ["u1", "i1", "i2", "u2", "i4", "u4", "i8", "f4", "f8"])
+def test_every_type_of_metaimage(tmp_path: Path, kind: str, packed: bool) -> None:
+    values = np.abs(VOXELS % 100).astype(kind)
+    np.testing.assert_array_equal(voxels(read(save(tmp_path / "a.mha", values, gz=packed))), values)
+    colours = np.stack([values, values, values], -1)
+    path = save(tmp_path / "c.mhd", colours, vector=True, gz=packed)
+    np.testing.assert_array_equal(voxels(read(path)), colours)
+
+
+def test_metaimage_written_by_hand(tmp_path: Path) -> None:
+    (tmp_path / "a.raw").write_bytes(b"a header" + VOXELS.astype(">i2").tobytes())
+    lines = ["NDims = 3", "DimSize = 7 6 5", "ElementType = MET_SHORT", "Position = 1 2 3",
+             "ElementByteOrderMSB = True", "ElementSize = 0.5 1 2", "HeaderSize = -1"]  # fmt: skip
+    path = tmp_path / "a.mhd"
+    path.write_text("\n".join([*lines, "ElementDataFile = a.raw\n"]))
+    image = read(path)
+    np.testing.assert_array_equal(voxels(image), VOXELS)
+    assert (image.spacing, image.origin) == ((0.5, 1, 2), (1, 2, 3))
+    path.write_text("\n".join([*lines[:-1], "HeaderSize = 8", "ElementDataFile = a.raw\n"]))
+    np.testing.assert_array_equal(voxels(read(path)), VOXELS)
+    for line in ("TransformMatrix = 1 0 0 0 1 0 0 0 1e999", "Offset = 1 nan 3", "NDims = 4",
+                 "ElementNumberOfChannels = 0", "HeaderSize = -7"):  # fmt: skip
+        path.write_text("\n".join([*lines, line, "ElementDataFile = a.raw\n"]))
+        assert "the header is damaged" in error_of(path)
+    path.write_text("\n".join([*lines, "ElementDataFile = LIST\na.raw\n"]))
+    assert "a list of data files is not supported" in error_of(path)
 
 
 @pytest.mark.parametrize("name", nrrd_files())

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from .dicom_headers import read_dataset
 from .errors import VolumeReadError
 from .itk import quiet_itk
 from .parallel import for_each
@@ -96,8 +97,12 @@ def _open_file(header: FileHeader) -> Callable[[int], NDArray[Any]]:
         return _encapsulated(header)
     if header.syntax == DEFLATED:
         return _from_dataset(header)
+    if header.pixels.photometric == "PALETTE COLOR":
+        return _palette(header)
+    if header.pixels.photometric.startswith("YBR_"):
+        return _luminance(header)
     if header.pixels.photometric not in PLAIN_COLOURS:
-        return _by_itk(header)
+        raise ValueError("unknown photometric interpretation")
     return _native(header)
 
 
@@ -204,13 +209,29 @@ def _from_dataset(header: FileHeader) -> Callable[[int], NDArray[Any]]:
     return plane
 
 
+def _palette(header: FileHeader) -> Callable[[int], NDArray[Any]]:
+    """Read colours that the pixels are numbers of, 8 bits each."""
+    from pydicom.pixels import apply_color_lut
+
+    dataset, _ = read_dataset(header.path)
+    plane = _native(header)
+
+    def coloured(index: int) -> NDArray[np.uint8]:
+        colours = apply_color_lut(plane(index), dataset)
+        shift = 8 * (colours.dtype.itemsize - 1)
+        return (colours >> shift).astype(np.uint8)
+
+    return coloured
+
+
+def _luminance(header: FileHeader) -> Callable[[int], NDArray[Any]]:
+    """Read colours that are stored as luminance and two differences."""
+    from pydicom.pixels import pixel_array
+
+    return lambda index: pixel_array(header.path, index=index)
+
+
 # Compressed pixels
-
-
-def _by_itk(header: FileHeader) -> Callable[[int], NDArray[Any]]:
-    values = _decode(header.path)
-    frames = values.reshape(header.frames, header.rows, header.columns, -1)
-    return lambda index: frames[index] if frames.shape[3] > 1 else frames[index, ..., 0]
 
 
 def _decode(path: Path) -> NDArray[Any]:

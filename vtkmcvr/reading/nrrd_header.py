@@ -16,7 +16,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 LINE_LIMIT = 1 << 20
-HEADER_LIMIT = 1 << 24
+HEADER_LIMIT = 1 << 22
+PAIR = re.compile(r"([^:]*):=(.*)")
 TYPES = {
     "int8": ("signed char", "int8", "int8_t"),
     "uint8": ("uchar", "unsigned char", "uint8", "uint8_t"),
@@ -125,25 +126,34 @@ def _parse(source: Path) -> NrrdHeader:
         if stream.read(4) != b"NRRD":
             fail(source, "not a NRRD file (its first letters are not 'NRRD'); check the file")
         stream.readline(LINE_LIMIT)
+        length = 0
         while raw := stream.readline(LINE_LIMIT):
             line = raw.decode("utf-8", errors="replace").rstrip("\r\n")
-            if not line.strip() or stream.tell() > HEADER_LIMIT:
+            length += len(raw)
+            if length > HEADER_LIMIT:
+                fail(source, f"its header is longer than {HEADER_LIMIT} bytes; check the file")
+            if not line.strip():
                 break
             if line.startswith("#"):
                 continue
-            pair = re.match(r"([^:]*):=(.*)", line)
-            if pair:
-                pairs[pair[1].strip()] = pair[2].strip()
-                continue
-            name, separator, value = line.partition(":")
-            if separator:
-                fields[name.strip().lower()] = value.strip()
-            if name.strip().lower() in {"data file", "datafile"} and value.split()[:1] == ["LIST"]:
+            if _take_line(line, fields, pairs) == "LIST":
                 # The names of the files follow up to the end.
-                names = [line.decode("utf-8", "replace") for line in stream.read().splitlines()]
-                fields["list"] = "\n".join(names)
+                fields["list"] = stream.read(HEADER_LIMIT).decode("utf-8", errors="replace")
                 break
         return NrrdHeader(source, fields, pairs, stream.tell())
+
+
+def _take_line(line: str, fields: dict[str, str], pairs: dict[str, str]) -> str:
+    """Put a line where it belongs, and return the first word of a line that names data files."""
+    pair = PAIR.match(line)
+    if pair:
+        pairs[pair[1].strip()] = pair[2].strip()
+        return ""
+    name, separator, value = line.partition(":")
+    name = name.strip().lower()
+    if separator:
+        fields[name] = value.strip()
+    return (value.split() or [""])[0] if name in {"data file", "datafile"} else ""
 
 
 def _judge_axes(header: NrrdHeader) -> None:

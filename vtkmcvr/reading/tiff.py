@@ -3,23 +3,33 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING
+import struct
+import warnings
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from .compact import compact_values
 from .errors import VolumeReadError, fail
-from .itk import open_with_itk
 from .raw import NO_SPACING
 from .source import VolumeSource
+from .volume import LoadedVolume, check_dimension
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
     from pathlib import Path
 
+    from numpy.typing import NDArray
+
     from .options import ReadOptions
-    from .volume import LoadedVolume
 
 SUFFIXES = (".tif", ".tiff")
-MAGIC = {b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"}
+# Modes of Pillow whose pixels are values, with their bytes and components.
+MODES = {
+    "L": (1, 1), "RGB": (1, 3), "RGBA": (1, 4), "I;16": (2, 1), "I;16B": (2, 1), "I": (4, 1),
+    "F": (4, 1), "1": (1, 1),
+}  # fmt: skip
+HIGHEST_COUNT = 1_000_000
 
 
 def is_tiff(path: Path) -> bool:
@@ -35,37 +45,108 @@ def open_tiff(source: Path, options: ReadOptions) -> VolumeSource:
     VolumeReadError
         If it is damaged or has one page.
     """
-    files = _slices(source) if source.is_dir() else []
-    if not all(map(_begins_as_tiff, files or [source])):
-        fail(source, "not a TIFF file, or it is damaged; copy or export it again")
+    files = _slices(source) if source.is_dir() else [source]
     try:
-        opened = open_with_itk(source, "TIFFImageIO", "TIFF", options, files)
-    except VolumeReadError as error:
-        if "2-D image" in str(error):
-            fail(source, "a 2-D image is not a volume; give the folder that holds all its slices")
-        raise
+        size, mode, count = _first_page(files[0])
+    except Exception:
+        fail(source, "not a TIFF file, or it is damaged; copy or export it again")
+    if mode not in MODES:
+        fail(source, f"TIFF with pixels of kind {mode} is not supported; save grey or RGB values")
+    count = len(files) if len(files) > 1 else count
+    if count < 2:
+        fail(source, "a 2-D image is not a volume; give the folder that holds all its slices")
+    check_dimension(source, (*size, count))
+    width, components = MODES[mode]
 
-    def load(index: int) -> LoadedVolume:
-        volume = opened.load(index)
+    def load(_: int) -> LoadedVolume:
+        shape = (count, size[1], size[0], *([components] if components > 1 else []))
+        noted = ["read as TIFF"] + ([NO_SPACING] if options.spacing is None else [])
         # TIFF has a resolution in the plane only, and many programs write one without meaning.
-        volume.spacing, volume.origin, volume.direction = np.ones(3), np.zeros(3), np.eye(3)
-        if options.spacing is None:
-            volume.notes.append(NO_SPACING)
-        return volume
+        return LoadedVolume(
+            values=compact_values(_read(source, files, shape, options), noted),
+            spacing=np.ones(3),
+            origin=np.zeros(3),
+            direction=np.eye(3),
+            notes=noted,
+        )
 
-    return VolumeSource(opened.size, opened.memory, load, opened.times)
+    voxels = size[0] * size[1] * count
+    return VolumeSource(size=(*size, count), memory=2 * voxels * width * components, load=load)
+
+
+def _first_page(file: Path) -> tuple[tuple[int, int], str, int]:
+    from PIL import Image
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        with Image.open(file, formats=["TIFF"]) as image:
+            return image.size, image.mode, _page_count(file)
+
+
+def _page_count(file: Path) -> int:
+    """Count the pages, and refuse a chain of them that does not end inside the file.
+
+    Raises
+    ------
+    ValueError
+        If the chain is broken. Pillow would give the pages before the break without a word.
+    """
+    with file.open("rb") as stream:
+        head = stream.read(16)
+        order: Literal["<", ">"] = "<" if head[:2] == b"II" else ">"
+        big = head[2:3] == b"+" or head[3:4] == b"+"
+        entries, offset, entry = ("Q", "Q", 20) if big else ("H", "I", 12)
+        place = struct.unpack_from(order + offset, head, 8 if big else 4)[0]
+        seen: set[int] = set()
+        while place and len(seen) < HIGHEST_COUNT:
+            if place in seen:
+                raise ValueError("the pages are a circle")
+            seen.add(place)
+            stream.seek(place)
+            count = struct.unpack(order + entries, stream.read(struct.calcsize(entries)))[0]
+            stream.seek(count * entry, 1)
+            place = struct.unpack(order + offset, stream.read(struct.calcsize(offset)))[0]
+        return len(seen)
+
+
+def _read(
+    source: Path, files: list[Path], shape: tuple[int, ...], options: ReadOptions
+) -> NDArray[Any]:
+    values: NDArray[Any] | None = None
+    done = 0
+    try:
+        for k, page in enumerate(_pages(files)):
+            if values is None:
+                values = np.empty(shape, page.dtype)
+            if page.shape != shape[1:] or page.dtype != values.dtype:
+                fail(source, f"page {k + 1} has another size or type than the first; save it again")
+            values[k] = page
+            done = k + 1
+            options.progress(done / len(values), "reading TIFF")
+    except VolumeReadError:
+        raise
+    except Exception:
+        # Pillow raises many kinds of error for damaged data.
+        fail(source, "damaged or truncated TIFF data; copy or export it again")
+    if values is None or done < len(values):
+        fail(source, "truncated: pages are missing at its end; copy or export it again")
+    return values
+
+
+def _pages(files: list[Path]) -> Iterator[NDArray[Any]]:
+    from PIL import Image, ImageSequence
+
+    for file in files:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            with Image.open(file, formats=["TIFF"]) as image:
+                pages = ImageSequence.Iterator(image) if len(files) == 1 else [image]
+                for page in pages:
+                    yield np.asarray(page)
 
 
 def _slices(folder: Path) -> list[Path]:
-    files = sorted((file for file in folder.iterdir() if is_tiff(file)), key=_numbers)
-    if len(files) < 2:
-        fail(folder, "the folder holds one TIFF file, which is a 2-D image; give 2 or more slices")
-    return files
-
-
-def _begins_as_tiff(path: Path) -> bool:
-    with path.open("rb") as stream:
-        return stream.read(4) in MAGIC
+    return sorted((file for file in folder.iterdir() if is_tiff(file)), key=_numbers)
 
 
 def _numbers(path: Path) -> list[tuple[int, int, str]]:
