@@ -97,7 +97,7 @@ def picture_of(data: Any, args: argparse.Namespace) -> Picture:
             **options,
         )  # fmt: skip
     return picture.denoised(args.denoise) if args.denoise else picture
-   
+
 
 def _flipped(data: Any, axes: str | None) -> Any:
     if axes is None:

@@ -43,7 +43,7 @@ def make_sequence(args: argparse.Namespace) -> int:
             say(f"frame {index + 1} of {len(times)}: time {time:g}")
         else:
             path = frame_path(output, index, len(times))
-            picture.save(path)
+            picture.save(path, bits=args.bits)
             say(f"picture {index + 1} of {len(times)}: time {time:g}, {path.resolve()}")
         facts.append({**picture_facts(picture), "time": time})
         if picture.stopped_by == "user":
