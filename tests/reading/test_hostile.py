@@ -15,8 +15,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import pyvista
 from made_dicom import positions, write_multiframe, write_series
 from made_volumes import REPOSITORY, VOXELS, error_of, nrrd_text, save, voxels
+from vtkmodules.vtkIOXML import vtkXMLImageDataWriter
 
 from vtkmcvr.readers import VolumeReadError, read
 from vtkmcvr.reading import source as source_module
@@ -289,6 +291,27 @@ def test_an_unknown_kind_of_colours_is_refused(tmp_path: Path) -> None:
     """GDCM never came back from some damaged headers; it gets frames in whole ones only."""
     folder = write_series(tmp_path / "a", PhotometricInterpretation="MONOCHROME9")
     assert "the pixels of a slice cannot be decoded" in error_of(folder)
+
+
+@pytest.mark.parametrize("inline", [True, False])
+def test_blocks_that_made_vtk_end_the_process(tmp_path: Path, inline: bool) -> None:
+    """VTK ended the process, for want of memory, where a packed array has too many blocks."""
+    path = tmp_path / "a.vti"
+    image = pyvista.wrap(np.abs(VOXELS))
+    writer = vtkXMLImageDataWriter()
+    writer.SetFileName(str(path))
+    writer.SetInputData(image)
+    writer.SetDataModeToBinary() if inline else writer.SetDataModeToAppended()
+    writer.EncodeAppendedDataOff()
+    writer.Write()
+    whole = path.read_bytes()
+    assert read(path).dimensions == (5, 6, 7)
+    header = struct.pack("<I", 1) if not inline else b"AQAAAA"
+    data = whole.index(b"<DataArray") if inline else whole.index(b"<AppendedData")
+    place = whole.index(header, data)
+    for text in (b"AQA1e3", b"////fw") if inline else (b"\xff\xff\xff\x7f",):
+        path.write_bytes(whole[:place] + text + whole[place + len(text) :])
+        assert "damaged: a block of its data has no possible size" in error_of(path)
 
 
 def test_a_legacy_header_that_ends_in_a_word(tmp_path: Path) -> None:

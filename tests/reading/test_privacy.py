@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from made_dicom import positions, write_series, write_slice
+from made_dicom import positions, write_multiframe, write_series, write_slice
 from made_volumes import REPOSITORY, SECRET, VOXELS
 from pydicom.datadict import dictionary_VR, tag_for_keyword
 
@@ -125,3 +125,20 @@ def test_a_lone_patient_file_is_refused_without_its_name(tmp_path: Path) -> None
     with pytest.raises(VolumeReadError) as caught:
         read(tmp_path / "ct")
     assert_clean(str(caught.value))
+
+
+def test_file_names_stay_out_of_every_error(tmp_path: Path) -> None:
+    """Files in a folder are often named after the patient."""
+    path = tmp_path / "a" / f"{SECRET}.dcm"
+    write_multiframe(path, positions(5), frames=900_000)
+    write_multiframe(tmp_path / "b" / f"{SECRET}.dcm", positions(5), frames=4)
+    write_series(tmp_path / "c", BitsAllocated=12)
+    cut = write_multiframe(tmp_path / "d" / f"{SECRET}.dcm", positions(5))
+    cut.write_bytes(cut.read_bytes()[:-200])
+    for file in (tmp_path / "c").iterdir():
+        file.rename(file.with_name(SECRET + file.name))
+    for name in "abcd":
+        with pytest.raises(VolumeReadError) as caught:
+            read(tmp_path / name)
+        assert_clean(str(caught.value))
+        assert str(caught.value).startswith(str(tmp_path / name))

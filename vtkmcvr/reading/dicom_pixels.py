@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections import defaultdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -10,8 +9,8 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from .dicom_headers import read_dataset
+from .dicom_packed import packed_frames, stored_type, unpacked_bits
 from .errors import VolumeReadError
-from .itk import quiet_itk
 from .parallel import for_each
 
 if TYPE_CHECKING:
@@ -30,20 +29,6 @@ PIXEL_DATA = (b"\xe0\x7f\x10\x00", b"\x7f\xe0\x00\x10")
 FLOAT_DATA = (b"\xe0\x7f\x08\x00", b"\x7f\xe0\x00\x08")
 DOUBLE_DATA = (b"\xe0\x7f\x09\x00", b"\x7f\xe0\x00\x09")
 PLAIN_COLOURS = {"MONOCHROME1", "MONOCHROME2", "RGB", ""}
-
-
-def stored_type(header: FileHeader) -> np.dtype[Any]:
-    """Return the type of the stored pixels of a file, in this machine's byte order.
-
-    Raises
-    ------
-    VolumeReadError
-        If there is no such type.
-    """
-    bits = 8 if header.pixels.allocated == 1 else header.pixels.allocated
-    if bits not in (8, 16, 32, 64):
-        raise _undecodable(header.path, f"{bits} bits per pixel are not supported")
-    return np.dtype(f"{'i' if header.pixels.signed else 'u'}{bits // 8}")
 
 
 def read_frames(
@@ -94,7 +79,7 @@ def read_frames(
 def _open_file(header: FileHeader) -> Callable[[int], NDArray[Any]]:
     """Return a function that reads the plane with a given index."""
     if header.syntax not in NATIVE:
-        return _encapsulated(header)
+        return packed_frames(header)
     if header.syntax == DEFLATED:
         return _from_dataset(header)
     if header.pixels.photometric == "PALETTE COLOR":
@@ -104,10 +89,6 @@ def _open_file(header: FileHeader) -> Callable[[int], NDArray[Any]]:
     if header.pixels.photometric not in PLAIN_COLOURS:
         raise ValueError("unknown photometric interpretation")
     return _native(header)
-
-
-def _undecodable(path: Path, why: str) -> VolumeReadError:
-    return VolumeReadError(f"{path}: {why}; export the images again, uncompressed.")
 
 
 # Plain pixels
@@ -131,7 +112,7 @@ def _native(header: FileHeader) -> Callable[[int], NDArray[Any]]:
             return _shaped(_of_words(header.path, start, first_bit // 8, length), header)
         data = _bytes(header.path, start + first_bit // 8, length)
         if header.pixels.allocated == 1:
-            return _unpacked(data, first_bit % 8, header)
+            return unpacked_bits(data, first_bit % 8, header)
         return _shaped(np.frombuffer(data, kind.newbyteorder(order)), header)
 
     return plane
@@ -162,12 +143,6 @@ def _element_type(header: FileHeader, tag: bytes) -> np.dtype[Any]:
     if tag not in PIXEL_DATA:
         raise EOFError
     return stored_type(header)
-
-
-def _unpacked(data: bytes | bytearray, first: int, header: FileHeader) -> NDArray[np.uint8]:
-    bits = np.unpackbits(np.frombuffer(data, np.uint8), bitorder="little")
-    count = header.rows * header.columns
-    return bits[first : first + count].reshape(header.rows, header.columns)
 
 
 def _shaped(flat: NDArray[Any], header: FileHeader) -> NDArray[Any]:
@@ -229,79 +204,3 @@ def _luminance(header: FileHeader) -> Callable[[int], NDArray[Any]]:
     from pydicom.pixels import pixel_array
 
     return lambda index: pixel_array(header.path, index=index)
-
-
-# Compressed pixels
-
-
-def _decode(path: Path) -> NDArray[Any]:
-    import SimpleITK
-
-    with quiet_itk() as sitk:
-        reader = sitk.ImageFileReader()
-        reader.SetImageIO("GDCMImageIO")
-        reader.SetFileName(str(path))
-        return SimpleITK.GetArrayFromImage(reader.Execute())
-
-
-def _encapsulated(header: FileHeader) -> Callable[[int], NDArray[Any]]:
-    """Read compressed frames: each goes through a file that holds nothing else."""
-    import pydicom
-    from pydicom.encaps import generate_frames
-
-    dataset = pydicom.dcmread(
-        header.path, specific_tags=["PixelData", "ExtendedOffsetTable", "NumberOfFrames"]
-    )
-    frames = list(generate_frames(dataset.PixelData, number_of_frames=header.frames))
-
-    def plane(index: int) -> NDArray[Any]:
-        with tempfile.TemporaryDirectory(prefix="vtkmcvr-") as folder:
-            path = Path(folder) / "frame.dcm"
-            _write_frame(path, header, frames[index])
-            values = _decode_frame(path)
-        if header.pixels.allocated == 1:
-            return _unpacked(values.tobytes(), 0, header)
-        shape = (header.rows, header.columns)
-        values = values.reshape(*shape, -1) if header.pixels.samples > 1 else values.reshape(shape)
-        return values.astype(stored_type(header), copy=False)
-
-    return plane
-
-
-def _decode_frame(path: Path) -> NDArray[Any]:
-    try:
-        return _decode(path)
-    except RuntimeError:
-        # GDCM fails on small images in run lengths, which pydicom decodes.
-        from pydicom.pixels import pixel_array
-
-        return pixel_array(path, raw=True)
-
-
-def _write_frame(path: Path, header: FileHeader, frame: bytes) -> None:
-    from pydicom.dataset import Dataset, FileMetaDataset
-    from pydicom.encaps import encapsulate
-    from pydicom.uid import UID, SecondaryCaptureImageStorage, generate_uid
-
-    dataset = Dataset()
-    dataset.file_meta = FileMetaDataset()
-    dataset.file_meta.TransferSyntaxUID = UID(header.syntax)
-    dataset.file_meta.MediaStorageSOPClassUID = SecondaryCaptureImageStorage
-    dataset.SOPClassUID = SecondaryCaptureImageStorage
-    dataset.file_meta.MediaStorageSOPInstanceUID = dataset.SOPInstanceUID = generate_uid()
-    pixels = header.pixels
-    dataset.Rows, dataset.Columns = header.rows, header.columns
-    dataset.BitsAllocated, dataset.BitsStored = pixels.allocated, pixels.stored
-    if pixels.allocated == 1:
-        # Run lengths of packed bits are decoded as bytes.
-        dataset.Rows, dataset.Columns = 1, (header.rows * header.columns + 7) // 8
-        dataset.BitsAllocated = dataset.BitsStored = 8
-    dataset.HighBit = dataset.BitsStored - 1
-    dataset.PixelRepresentation = int(pixels.signed)
-    dataset.SamplesPerPixel = pixels.samples
-    if pixels.samples > 1:
-        dataset.PlanarConfiguration = int(pixels.planar)
-    dataset.PhotometricInterpretation = pixels.photometric or "MONOCHROME2"
-    dataset.PixelData = encapsulate([frame])
-    dataset["PixelData"].VR = "OB"
-    dataset.save_as(path, enforce_file_format=True)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,7 +20,7 @@ from .source import VolumeSource
 from .volume import LoadedVolume
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
     from pathlib import Path
 
     from .dicom_headers import Frame
@@ -51,6 +53,31 @@ def series_source(
     VolumeReadError
         If it is not one regular volume, or more than one on the same grid.
     """
+    with _without_file_names(source, group):
+        found = _judged(source, group, label, options, noted)
+
+    def load(index: int) -> LoadedVolume:
+        with _without_file_names(source, group):
+            return found.load(index)
+
+    return replace(found, load=load)
+
+
+@contextlib.contextmanager
+def _without_file_names(source: Path, group: Sequence[Frame]) -> Iterator[None]:
+    """Name what the caller gave instead of a file in it, whose name may be a patient's."""
+    try:
+        yield
+    except VolumeReadError as error:
+        text = str(error)
+        for frame in group:
+            text = text.replace(str(frame.file.path), str(source))
+        raise VolumeReadError(text) from None
+
+
+def _judged(
+    source: Path, group: Sequence[Frame], label: str, options: ReadOptions, noted: list[str]
+) -> VolumeSource:
     first = group[0].file
     if first.storage_class in SEGMENTATION_CLASS:
         if len(group) > 1:

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .dicom_pixels import PLAIN_COLOURS, read_frames, stored_type
+from .dicom_packed import stored_type
+from .dicom_pixels import PLAIN_COLOURS, read_frames
 from .errors import VolumeReadError
 from .parallel import for_each
 

@@ -14,6 +14,7 @@ from .resample import is_sheared, to_box
 from .source import check_bytes
 from .streams import check_promise
 from .volume import LoadedVolume, check_dimension, check_geometry, volume_notes
+from .vtk_blocks import check_blocks
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -30,6 +31,8 @@ BYTES = {
     "double": 8, "vtktypeint64": 8, "vtktypeuint64": 8,
 }  # fmt: skip
 LEGACY_HEAD = 4096
+# Nine components of eight bytes.
+LARGEST_VOXEL = 72
 LINE_LIMIT = 256
 
 
@@ -110,7 +113,9 @@ def _check_extent(source: Path, reader: Any) -> None:
     if min(size) < 1:
         fail(source, "its extent is empty; write it again")
     check_dimension(source, size)
-    count = int(np.prod(size, dtype=object)) * max(reader.GetNumberOfPointArrays(), 1)
+    voxels = int(np.prod(size, dtype=object))
+    check_blocks(source, voxels * LARGEST_VOXEL)
+    count = voxels * max(reader.GetNumberOfPointArrays(), 1)
     # In the file, zlib, lz4 or lzma may have packed the voxels.
     check_promise(source, [source], "gzip", count)
     check_bytes(source, count, " x ".join(map(str, size)))
