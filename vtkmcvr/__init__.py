@@ -17,6 +17,9 @@ __version__ = "0.1.0"
 
 _HOME = {
     "read": "readers",
+    "read_labels": "readers",
+    "list_series": "readers",
+    "time_steps": "readers",
     "render": "front",
     "scene_of": "front",
     "render_scene": "rendering",
@@ -98,7 +101,7 @@ if TYPE_CHECKING:
     from .phantom import head_phantom
     from .picture import Display, Picture
     from .prediction import estimate
-    from .readers import read
+    from .readers import list_series, read, read_labels, time_steps
     from .recipe_files import read_recipe
     from .rendering import render_scene
     from .replay import replay

@@ -5,8 +5,9 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from .inputs import demo_volume, flipped, read_input, scene_options
+from .inputs import read_as_asked
 from .options import add_scene_options
+from .scenes import demo_volume, flipped, scene_options
 from .terminal import Bar, Interrupt, say_to
 
 
@@ -42,7 +43,7 @@ def _cost(args: argparse.Namespace) -> int:
     from ..front import scene_of
 
     say = say_to(args)
-    data = demo_volume() if args.input == "demo" else read_input(args.input, args.series)
+    data = demo_volume() if args.input == "demo" else read_as_asked(args.input, args)
     data = flipped(data, args.flip)
     scene = scene_of(data, **scene_options(data, args)).scene
     stop = Interrupt()

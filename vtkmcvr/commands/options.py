@@ -6,10 +6,12 @@ import argparse
 from typing import Any
 
 from .camera_options import add_camera_options
+from .inputs import add_input_options
 
 
-def add_scene_options(parser: argparse.ArgumentParser) -> None:
+def add_scene_options(parser: argparse.ArgumentParser, *, all_times: bool = False) -> None:
     """Everything that decides what is seen."""
+    add_input_options(parser, all_times=all_times)
     add = parser.add_argument
     add("--preset", help="look; see `vtkmcvr presets`. Default: chosen from the values")
     add("--size", type=_size, default=(800, 600), metavar="WxH", help="pixels, default 800x600")
@@ -28,7 +30,6 @@ def add_scene_options(parser: argparse.ArgumentParser) -> None:
         "do not say which way they were stored",
     )
     add("--shift", type=float, help="added to the values to get HU; default: detected")
-    add("--series", help="series UID or number, where a DICOM folder holds several")
     add("--environment", metavar="MAP", help="light by this .hdr or .exr panorama instead")
     add_camera_options(parser)
     add("--quiet", action="store_true", help="no progress and no report")
@@ -36,7 +37,7 @@ def add_scene_options(parser: argparse.ArgumentParser) -> None:
 
 def add_render_options(parser: argparse.ArgumentParser) -> None:
     """Everything that decides a picture."""
-    add_scene_options(parser)
+    add_scene_options(parser, all_times=True)
     add = parser.add_argument
     add("--samples", type=int, help="samples per pixel, default 64")
     add("--seconds", type=float, help="time to render; the first limit that is met ends the render")

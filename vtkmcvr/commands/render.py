@@ -7,8 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .. import __version__
-from .inputs import demo_volume, flipped, read_input, scene_options
+from .inputs import read_as_asked
 from .options import add_render_options
+from .scenes import demo_volume, flipped, scene_options
 from .terminal import Bar, Interrupt, say_to, write_json
 
 if TYPE_CHECKING:
@@ -41,40 +42,63 @@ def add_render(commands: Any) -> None:
 
 
 def _demo(args: argparse.Namespace) -> int:
-    if args.input is not None:
-        return make_picture(read_input(args.input, args.series), args, explain=True)
-    say = say_to(args)
-    say("synthetic CT head phantom (no patient), 192 x 192 x 192")
+    data = _demo_head(args) if args.input is None else read_as_asked(args.input, args)
+    return _predict(data, args) if args.dry_run else make_picture(data, args, explain=True)
+
+
+def _demo_head(args: argparse.Namespace) -> Any:
+    """The synthetic head, with its look and view where none is asked for."""
+    say_to(args)("synthetic CT head phantom (no patient), 192 x 192 x 192")
     if args.preset is None:
         args.preset = "ct-bone"
     if args.azimuth == 0 and args.elevation == 0 and args.view == "front":
         args.azimuth, args.elevation = -28.0, 6.0
-    return make_picture(demo_volume(), args, explain=True)
+    return demo_volume()
 
 
 def _render(args: argparse.Namespace) -> int:
     from ..picture import check_suffix
 
-    if args.output is None and not args.dry_run:
+    if args.dry_run:
+        return _predict(read_as_asked(args.input, args), args)
+    if args.output is None:
         raise ValueError("where to write the picture? Give -o FILE, or --dry-run for its cost")
-    if args.output is not None:
-        check_suffix(args.output)
-    return make_picture(read_input(args.input, args.series), args)
+    if args.time == "all":
+        from .sequence import make_sequence
+
+        return make_sequence(args)
+    check_suffix(args.output)
+    return make_picture(read_as_asked(args.input, args), args)
 
 
 def make_picture(data: Any, args: argparse.Namespace, *, explain: bool = False) -> int:
     """Render, save, report; returns the exit status."""
-    from ..front import BACKDROP, render
     from ..picture import check_suffix
     from ..report import check_report
 
-    data = flipped(data, args.flip)
-    options = scene_options(data, args)
-    if args.dry_run:
-        return _predict(data, options, args)
     check_suffix(args.output)
     check_report(args.report)
     say = say_to(args)
+    picture = picture_of(data, args)
+    picture.save(args.output, bits=args.bits)
+    if explain:
+        say(picture.plan.explain())
+    for note in picture.recipe["notes"]:
+        say(f"note: {note}")
+    say(_cost(picture))
+    say(f"picture: {Path(args.output).resolve()}")
+    write_json(args.json, picture_facts(picture))
+    if args.report:
+        _report(picture, args)
+    return 0
+
+
+def picture_of(data: Any, args: argparse.Namespace) -> Picture:
+    """Render as the arguments say."""
+    from ..front import BACKDROP, render
+
+    data = flipped(data, args.flip)
+    options = scene_options(data, args)
     background = {"preset": BACKDROP, "transparent": None}.get(args.background, args.background)
     stop = Interrupt()
     with stop, Bar(args.quiet) as bar:
@@ -84,27 +108,16 @@ def make_picture(data: Any, args: argparse.Namespace, *, explain: bool = False) 
             abort=stop.is_set,
             **options,
         )  # fmt: skip
-    if args.denoise:
-        picture = picture.denoised(args.denoise)
-    picture.save(args.output, bits=args.bits)
-    if explain:
-        say(picture.plan.explain())
-    for note in picture.recipe["notes"]:
-        say(f"note: {note}")
-    say(_cost(picture))
-    say(f"picture: {Path(args.output).resolve()}")
-    write_json(args.json, _facts(picture))
-    if args.report:
-        _report(picture, args)
-    return 0
+    return picture.denoised(args.denoise) if args.denoise else picture
 
 
-def _predict(data: Any, options: dict[str, Any], args: argparse.Namespace) -> int:
+def _predict(data: Any, args: argparse.Namespace) -> int:
     """What the picture would cost."""
     from ..front import scene_of
     from ..prediction import estimate
 
-    scene = scene_of(data, **options).scene
+    data = flipped(data, args.flip)
+    scene = scene_of(data, **scene_options(data, args)).scene
     predicted = estimate(scene, args.nrms or PREDICTED_NRMS, threads=args.threads)
     print(predicted)
     write_json(args.json, predicted.facts())
@@ -121,7 +134,8 @@ def _report(picture: Picture, args: argparse.Namespace) -> None:
     say_to(args)(f"report: {path.resolve()}")
 
 
-def _facts(picture: Picture) -> dict[str, Any]:
+def picture_facts(picture: Picture) -> dict[str, Any]:
+    """What was measured, ready for JSON."""
     return {
         **picture.facts(),
         "volume": picture.recipe["volume"],
