@@ -49,7 +49,7 @@ def pairs():
             yield pytest.param(light, lobe, marks=() if j == i % len(LOBES) else pytest.mark.slow)
 
 
-@pytest.mark.parametrize(("light", "lobe"), pairs())
+@pytest.mark.parametrize(("light", "lobe"), list(pairs()))
 def test_three_estimators_agree(light, lobe):
     grid = estimated(light, lobe, 1)
     assert mean_and_error(grid)[0] > 0.005
