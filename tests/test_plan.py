@@ -17,7 +17,8 @@ from vtkmcvr.scene import Camera, Cone, HenyeyGreenstein, Lens, Stereo, Surface
 EFFECTS = {
     "medium", "colour by point", "gradient classification", "emission", "multiple scattering",
     "surface shading", "specular coat", "anisotropic phase", "constant environment",
-    "environment map", "area lights", "point and directional lights",
+    "gradient environment", "environment map", "area lights", "light textures",
+    "point and directional lights",
     "multiple importance sampling", "shadows", "depth of field", "visible environment",
     "first-hit AOVs",
     "even samples",
@@ -26,7 +27,7 @@ PARTS = {
     "lens": "depth of field", "surface": "surface shading", "gloss": "specular coat",
     "phase": "anisotropic phase", "scattering": "multiple scattering",
     "shadows": "shadows", "ambient": "constant environment",
-    "environment": "environment map", "rectangles": "area lights",
+    "environment": "environment map", "area_lights": "area lights",
     "delta_lights": "point and directional lights",
 }  # fmt: skip
 
@@ -122,7 +123,7 @@ def test_reasons_name_quantities():
     )  # fmt: skip
     text = planned.explain()
     assert "within 60 degrees" in plan(scene(phase=Cone(60))).explain()
-    for words in ("0.25", "0.7", "exponent 12", "g = 0.4", "1 rectangles", "2, one shadow ray",
+    for words in ("0.25", "0.7", "exponent 12", "g = 0.4", "1 rectangle", "2, one shadow ray",
                   "ratio tracking, up to 3.5", "power heuristic", "miss the volume"):  # fmt: skip
         assert words in text
 
@@ -149,7 +150,8 @@ def test_transparent_volume_says_so():
 def test_black_rectangle_still_blocks():
     black = RectangleLight((0, 0, 5), (0, 0, 0), (1, 1), 0.0)
     planned = plan(scene(lights=(black, DirectionalLight((0, 0, -1)))))
-    assert planned.packed.rectangles is not None
+    assert planned.packed.area_lights is not None
+    assert planned.packed.light_tree is not None
 
 
 def test_everything_is_float32_but_the_camera_and_the_sampler():

@@ -48,6 +48,18 @@ _HOME = {
     "RectangleLight": "lights",
     "DirectionalLight": "lights",
     "PointLight": "lights",
+    "BoxLight": "lights",
+    "CameraLight": "lights",
+    "CylinderLight": "lights",
+    "DiskLight": "lights",
+    "GradientEnvironment": "lights",
+    "SphereLight": "lights",
+    "Texture": "lights",
+    "blackbody": "lights",
+    "headlight": "lights",
+    "with_irradiance": "lights",
+    "with_power": "lights",
+    "with_vtk_intensity": "lights",
     "head_phantom": "phantom",
     "view_camera": "studio",
 }
@@ -61,11 +73,23 @@ if TYPE_CHECKING:
     from .focus import autofocus
     from .front import render, scene_of
     from .lights import (
+        BoxLight,
+        CameraLight,
         ConstantEnvironment,
+        CylinderLight,
         DirectionalLight,
+        DiskLight,
         EnvironmentMap,
+        GradientEnvironment,
         PointLight,
         RectangleLight,
+        SphereLight,
+        Texture,
+        blackbody,
+        headlight,
+        with_irradiance,
+        with_power,
+        with_vtk_intensity,
     )
     from .phantom import head_phantom
     from .picture import Display, Picture

@@ -50,7 +50,7 @@ def autofocus(scene: Scene, pixel: tuple[int, int], *, radius: float = 1.0, seed
     bare = replace(
         scene, camera=replace(scene.camera, lens=None), lights=(), surface=None,
         phase=Isotropic(), scattering="single", max_scatterings=None, environment_visible=False,
-        pixel_filter=PixelFilter("box", radius),
+        pixel_filter=PixelFilter("box", radius), aovs=(),
     )  # fmt: skip
     packed = plan(bare).packed
     film = new_film(*scene.size, packed.sobol)

@@ -202,10 +202,19 @@ class RatioTracking(NamedTuple):
     roulette: np.float32  # transmittance below which Russian roulette ends the walk
 
 
-class Ambient(NamedTuple):
-    """Environment of constant radiance."""
+class Gradient(NamedTuple):
+    """Radiance that changes linearly with the angle of elevation."""
 
-    radiance: Vector
+    up: Vector
+    top: Vector
+    bottom: Vector
+
+
+class Ambient(NamedTuple):
+    """Environment of constant radiance, or of three colours."""
+
+    radiance: Vector  # everywhere, or at the horizon
+    gradient: Gradient | None
 
 
 class Environment(NamedTuple):
@@ -218,17 +227,44 @@ class Environment(NamedTuple):
     world_from_local: Matrix
 
 
-class Rectangles(NamedTuple):
-    """Area lights. They block light, also with their dark side."""
+class Present(NamedTuple):
+    """Marks that the scene has something; None where it has not."""
 
-    corner: NDArray[np.float32]  # (n, 3)
-    edge_u: NDArray[np.float32]  # (n, 3)
-    edge_v: NDArray[np.float32]  # (n, 3)
-    normal: NDArray[np.float32]  # (n, 3), the side that emits
-    area: NDArray[np.float32]  # (n,)
+    number: np.int32
+
+
+class Shapes(NamedTuple):
+    """Which surfaces of area lights need code beyond that of a flat, distant rectangle."""
+
+    near_rectangles: Present | None  # sampled by solid angle
+    disks: Present | None
+    spheres: Present | None
+    cylinders: Present | None
+
+
+class LightTextures(NamedTuple):
+    """Factors of the radiance over the surfaces of area lights."""
+
+    texels: NDArray[np.float32]  # (texels of all textures, 3)
+    layout: NDArray[np.int32]  # (n, 3) first texel, rows, columns; rows 0: no texture
+
+
+class AreaLights(NamedTuple):
+    """Surfaces that emit. They block light, also with their dark side.
+
+    Each one is a canonical surface in the frame of its unit axes u, v, w around its centre; see
+    `kernels.shapes`.
+    """
+
+    kind: NDArray[np.int32]  # (n,) 0 rectangle, 1 disk, 2 sphere, 3 cylinder
+    frame: NDArray[np.float32]  # (n, 4, 3) centre, u, v, w
+    size: NDArray[np.float32]  # (n, 3)
     radiance: NDArray[np.float32]  # (n, 3)
     two_sided: NDArray[np.bool_]  # (n,)
-    visible: NDArray[np.bool_]  # (n,) seen by camera rays
+    visible: NDArray[np.bool_]  # (n,) camera rays see it
+    shapes: Shapes
+    textures: LightTextures | None
+    seen: Present | None  # some are visible
 
 
 class DeltaLights(NamedTuple):
@@ -242,13 +278,24 @@ class DeltaLights(NamedTuple):
     cone: NDArray[np.float32]  # (n, 2), cosine of the cone's half angle, exponent of its falloff
 
 
-class LightChoice(NamedTuple):
-    """Which light one sample of direct light asks: rectangles, then delta lights, then the map."""
+class LightTree(NamedTuple):
+    """All lights (area, then delta, then the map) as a binary tree in depth-first order.
 
-    weight: NDArray[np.float32]  # (n,) estimated irradiance at the volume's centre
-    anchor: NDArray[
-        np.float32
-    ]  # (n, 4) xyz; 1: position of the light, 0: direction to it, -1: all around
+    The first child of node k is node k + 1. The tree chooses a light by estimated contribution, and
+    finds the area lights that a ray meets.
+    """
+
+    bound: NDArray[np.float32]  # (m, 4) sphere around the cluster; radius < 0: no ray meets it
+    cone: NDArray[np.float32]  # (m, 5) axis of emission, cosines of its spread and of its reach
+    flux: NDArray[np.float32]  # (m,) irradiance, at unit distance where it decays
+    law: NDArray[np.int32]  # (m,) how flux becomes irradiance; see `kernels.light_tree`
+    links: NDArray[np.int32]  # (m, 3) next node beyond the cluster, parent, light of a leaf or -1
+    leaf: NDArray[np.int32]  # (n,) node of each light
+
+
+class LightChoice(NamedTuple):
+    """How directions toward the lights of the tree are drawn."""
+
     environment: np.int32  # index of the environment map, -1 without
     by_light: np.bool_  # sample directions by the lights
     by_scatter: np.bool_  # sample directions by the scattering function
@@ -270,8 +317,9 @@ class Scene(NamedTuple):
     ratio: RatioTracking | None
     ambient: Ambient | None
     environment: Environment | None
-    rectangles: Rectangles | None
+    area_lights: AreaLights | None
     delta_lights: DeltaLights | None
+    light_tree: LightTree | None
     choice: LightChoice | None
     environment_visible: np.bool_
     normal_map: NormalMap | None

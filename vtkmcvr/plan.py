@@ -85,7 +85,8 @@ def plan(scene: Scene) -> Plan:
     result = packed.Scene(
         medium, transfer, pack_camera(scene), lens, surface, gloss, phase, scattering, marching,
         shadows, ratio,
-        lights.ambient, lights.environment, lights.rectangles, lights.delta_lights, lights.choice,
+        lights.ambient, lights.environment, lights.area_lights, lights.delta_lights, lights.tree,
+        lights.choice,
         np.bool_(scene.environment_visible and bool(lights.ambient or lights.environment)),
         pack_normal_map(scene),
         pack_sobol(scene),
@@ -104,7 +105,7 @@ def plan(scene: Scene) -> Plan:
         _aov_effect(scene),
         sampling_effect(result.sobol),
     )
-    return Plan(scene, result, effects, _notes(voxels, tables))
+    return Plan(scene, result, effects, (*_notes(voxels, tables), *lights.notes))
 
 
 def _empty_space(scene: Scene, medium: packed.Medium) -> Effect:

@@ -1,8 +1,9 @@
-"""Lights of a scene -> packed lights, with the distribution that chooses among them."""
+"""Lights of a scene -> packed lights, with the tree that chooses among them."""
 
 from __future__ import annotations
 
 import math
+from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,17 +12,19 @@ from numpy.typing import NDArray
 from . import packed
 from .effects import Effect
 from .lights import (
+    AreaLight,
     ConstantEnvironment,
     DirectionalLight,
     EnvironmentMap,
+    GradientEnvironment,
+    Light,
     PointLight,
-    RectangleLight,
 )
 from .pack import f32, matrix, vector
+from .plan_area_lights import Emitter, area_leaf, emitters_of, pack_area_lights
+from .plan_light_tree import AROUND, DECAYING, DISTANT, STEADY, Leaf, build_tree
 from .scene import Scene
 
-# Share of the choice among lights that ignores their estimated contribution
-EVEN_SHARE = 0.1
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 
@@ -31,10 +34,12 @@ class PackedLights:
 
     ambient: packed.Ambient | None
     environment: packed.Environment | None
-    rectangles: packed.Rectangles | None
+    area_lights: packed.AreaLights | None
     delta_lights: packed.DeltaLights | None
+    tree: packed.LightTree | None
     choice: packed.LightChoice | None
     effects: tuple[Effect, ...]
+    notes: tuple[str, ...]
 
     @property
     def any(self) -> bool:
@@ -43,45 +48,60 @@ class PackedLights:
 
 
 def pack_lights(scene: Scene) -> PackedLights:
-    """Pack the lights of a scene; black ones are left out, but rectangles still block light."""
-    ambient = _ambient(scene)
-    maps = [light for light in scene.lights if isinstance(light, EnvironmentMap)]
+    """Pack the lights of a scene.
+
+    Black lights are left out, but area lights still block light. Lights that coincide, which could
+    not all be seen, are one that is as bright as they are together.
+    """
+    lights = [light.seen_by(scene.camera) for light in scene.lights]
+    ambient = _ambient(lights)
+    maps = [light for light in lights if isinstance(light, EnvironmentMap)]
     environment = _environment(maps[0]) if maps and maps[0].scale and maps[0].pixels.any() else None
-    rectangles = [light for light in scene.lights if isinstance(light, RectangleLight)]
-    deltas = [
-        light
-        for light in scene.lights
-        if (isinstance(light, DirectionalLight) and any(_rgb(light.irradiance)))
-        or (isinstance(light, PointLight) and any(_rgb(light.intensity)))
-    ]
-    weights = [_rectangle_weight(light, scene) for light in rectangles]
-    weights += [_delta_weight(light, scene) for light in deltas]
-    anchors = [_anchor(light, scene) for light in (*rectangles, *deltas)]
+    emitters = emitters_of([light for light in lights if isinstance(light, AreaLight)])
+    given = [light for light in lights if isinstance(light, (DirectionalLight, PointLight))]
+    deltas = _merged([light for light in given if any(light.brightness)])
+    merged = sum(emitter.merged for emitter in emitters)
+    merged += sum(any(light.brightness) for light in given) - len(deltas)
+
+    centre = scene.volume.centre
+    leaves = [area_leaf(emitter, centre) for emitter in emitters]
+    leaves += [_delta_leaf(light, scene) for light in deltas]
     if environment is not None:
-        mean = float((maps[0].pixels.mean(axis=(0, 1)) @ LUMINANCE) * maps[0].scale)
-        weights.append(math.pi * max(mean, 1e-30))
-        anchors.append((0.0, 0.0, 0.0, -1.0))
-    choice = _choice(weights, anchors, environment is not None, scene.light_sampling)
-    effects = (
-        Effect(
-            "constant environment", ambient is not None, _why(ambient, "drawn by the scattering")
-        ),
-        Effect("environment map", environment is not None, _why(environment, "drawn by radiance")),
-        Effect(
-            "area lights",
-            bool(rectangles),
-            f"{len(rectangles)} rectangles" if rectangles else "none",
-        ),
-        Effect("point and directional lights", bool(deltas), _delta_reason(deltas)),
-        _mis_effect(scene, choice, environment, rectangles),
-    )
+        leaves.append(_map_leaf(maps[0]))
+    choice = _choice(leaves, environment is not None, scene.light_sampling)
     return PackedLights(
         ambient,
         environment,
-        _rectangles(rectangles, scene),
+        pack_area_lights(emitters, scene.volume),
         _deltas(deltas, scene),
+        build_tree(leaves) if emitters or choice else None,
         choice,
-        effects,
+        _effects(scene, lights, ambient, environment, emitters, deltas, choice),
+        (f"{merged} lights coincide with another and were added to it",) if merged else (),
+    )
+
+
+def _effects(
+    scene: Scene,
+    lights: list[Light],
+    ambient: packed.Ambient | None,
+    environment: packed.Environment | None,
+    emitters: list[Emitter],
+    deltas: list[Light],
+    choice: packed.LightChoice | None,
+) -> tuple[Effect, ...]:
+    gradient = ambient is not None and ambient.gradient is not None
+    kinds = Counter(emitter.patch.kind for emitter in emitters)
+    shapes = ", ".join(f"{n} {kind}{'s' * (n > 1)}" for kind, n in sorted(kinds.items()))
+    drawn = "drawn by the scattering"
+    return (
+        Effect("constant environment", ambient is not None and not gradient, _why(ambient, drawn)),
+        Effect("gradient environment", gradient, drawn if gradient else "none, or black"),
+        Effect("environment map", environment is not None, _why(environment, "drawn by radiance")),
+        Effect("area lights", bool(emitters), shapes or "none"),
+        _texture_effect(emitters),
+        Effect("point and directional lights", bool(deltas), _delta_reason(deltas)),
+        _mis_effect(scene, choice, environment, emitters),
     )
 
 
@@ -89,29 +109,43 @@ def _why(part: object, how: str) -> str:
     return how if part is not None else "none, or black"
 
 
-def _delta_reason(deltas: list) -> str:
+def _texture_effect(emitters: list[Emitter]) -> Effect:
+    count = sum(emitter.texture is not None for emitter in emitters)
+    why = f"on {count} of {len(emitters)} surfaces" if count else "no area light has one"
+    return Effect("light textures", bool(count), why)
+
+
+def _delta_reason(deltas: list[Light]) -> str:
     return f"{len(deltas)}, one shadow ray each time" if deltas else "none, or black"
 
 
-def _mis_effect(scene: Scene, choice: object, environment: object, rectangles: list) -> Effect:
+def _mis_effect(scene: Scene, choice: object, environment: object, emitters: list) -> Effect:
     name = "multiple importance sampling"
-    if choice is None or (environment is None and not rectangles):
+    if choice is None or (environment is None and not emitters):
         return Effect(name, False, "no light can be found by two strategies")
     if scene.light_sampling != "mis":
         return Effect(name, False, f"directions are drawn by {scene.light_sampling} only")
     return Effect(name, True, "power heuristic over lights and scattering function")
 
 
-def _ambient(scene: Scene) -> packed.Ambient | None:
-    for light in scene.lights:
-        if isinstance(light, ConstantEnvironment) and any(_rgb(light.radiance)):
-            return packed.Ambient(vector(np.array(_rgb(light.radiance))))
-    return None
+# Environments
 
 
-def _rgb(value: object) -> tuple[float, float, float]:
-    """Return a validated colour of a light, which is three numbers by now."""
-    return value  # type: ignore[return-value]
+def _ambient(lights: list[Light]) -> packed.Ambient | None:
+    """Constant and gradient together: the constant is a gradient of one colour."""
+    constant, rise = np.zeros(3), np.zeros((3, 3))
+    up = (0.0, 0.0, 1.0)
+    for light in lights:
+        if isinstance(light, ConstantEnvironment):
+            constant = constant + light.brightness
+        elif isinstance(light, GradientEnvironment):
+            rise, up = light.scale * np.array([light.top, light.middle, light.bottom]), light.up
+    top, middle, bottom = rise + constant
+    if not (top.any() or middle.any() or bottom.any()):
+        return None
+    even = np.array_equal(top, middle) and np.array_equal(middle, bottom)
+    gradient = packed.Gradient(vector(np.array(up)), vector(top), vector(bottom))
+    return packed.Ambient(vector(middle), None if even else gradient)
 
 
 def _environment(light: EnvironmentMap) -> packed.Environment:
@@ -142,27 +176,21 @@ def _cdf(weight: NDArray) -> NDArray[np.float32]:
     return np.ascontiguousarray(cdf / cdf[-1], f32)
 
 
-def _rectangles(lights: list[RectangleLight], scene: Scene) -> packed.Rectangles | None:
-    if not lights:
-        return None
-    frames = [light.frame for light in lights]
-    u = np.array([frame[0] * light.size[0] for frame, light in zip(frames, lights, strict=True)])
-    v = np.array([frame[1] * light.size[1] for frame, light in zip(frames, lights, strict=True)])
-    centre = np.array([light.centre for light in lights]) - scene.volume.centre
-    return packed.Rectangles(
-        _table(centre - u / 2 - v / 2),
-        _table(u),
-        _table(v),
-        _table([frame[2] for frame in frames]),
-        _table([light.size[0] * light.size[1] for light in lights]),
-        _table([light.radiance for light in lights]),
-        np.array([light.two_sided for light in lights], np.bool_),
-        np.array([light.visible for light in lights], np.bool_),
-    )
+def _map_leaf(light: EnvironmentMap) -> Leaf:
+    mean = float((light.pixels.mean(axis=(0, 1)) @ LUMINANCE) * light.scale)
+    return Leaf(AROUND, math.pi * max(mean, 1e-30))
 
 
-def _table(rows: object) -> NDArray[np.float32]:
-    return np.ascontiguousarray(rows, f32)
+# Point and directional lights
+
+
+def _merged(lights: list[Light]) -> list[Light]:
+    """Lights that differ in brightness alone become one."""
+    sums: dict[Light, NDArray] = {}
+    for light in lights:
+        unit = light.with_brightness(1.0)
+        sums[unit] = sums.get(unit, np.zeros(3)) + light.brightness
+    return [unit.with_brightness(total) for unit, total in sums.items()]
 
 
 def _deltas(lights: list, scene: Scene) -> packed.DeltaLights | None:
@@ -179,10 +207,14 @@ def _deltas(lights: list, scene: Scene) -> packed.DeltaLights | None:
         np.array([0 if far else 1 for far in directional], np.int32),
         _table(positions),
         _table([light.direction for light in lights]),
-        _table([light.irradiance if far else light.intensity for far, light in pairs]),
+        _table([light.brightness for light in lights]),
         _table([nowhere if far else light.attenuation for far, light in pairs]),
         _table([(-2.0, 0.0) if far else _cone(light) for far, light in pairs]),
     )
+
+
+def _table(rows: object) -> NDArray[np.float32]:
+    return np.ascontiguousarray(rows, f32)
 
 
 def _cone(light: PointLight) -> tuple[float, float]:
@@ -191,46 +223,35 @@ def _cone(light: PointLight) -> tuple[float, float]:
     return cosine, light.exponent
 
 
-def _rectangle_weight(light: RectangleLight, scene: Scene) -> float:
-    """Estimated irradiance at the volume's centre, at least as seen at a grazing angle."""
-    toward = scene.volume.centre - np.array(light.centre)
-    distance = max(float(np.linalg.norm(toward)), 1e-30)
-    cosine = float(light.frame[2] @ toward) / distance
-    cosine = max(abs(cosine) if light.two_sided else cosine, 0.1)
-    area = light.size[0] * light.size[1]
-    return float(np.dot(light.radiance, LUMINANCE)) * min(area * cosine / distance**2, math.pi)
-
-
-def _delta_weight(light: DirectionalLight | PointLight, scene: Scene) -> float:
-    """Irradiance at the volume's centre on a facing plane, without the cone."""
+def _delta_leaf(light: Light, scene: Scene) -> Leaf:
+    """Bounds of a point or directional light; a falloff between two laws counts as the nearer."""
+    flux = float(np.dot(light.brightness, LUMINANCE))
     if isinstance(light, DirectionalLight):
-        return float(np.dot(light.irradiance, LUMINANCE))
-    distance = float(np.linalg.norm(np.subtract(light.position, scene.volume.centre)))
-    distance = max(distance, 1e-3 * scene.volume.radius)
-    falloff = np.dot(light.attenuation, (1.0, distance, distance**2))
-    return float(np.dot(light.intensity, LUMINANCE) / falloff)
-
-
-def _choice(
-    weights: list[float], anchors: list[tuple], has_map: bool, light_sampling: str
-) -> packed.LightChoice | None:
-    w = np.array(weights, np.float64)
-    shining = w > 0
-    if not shining.any():
-        return None
-    even = shining / shining.sum()
-    return packed.LightChoice(
-        _table(EVEN_SHARE * even + (1 - EVEN_SHARE) * w / w.sum()),
-        _table(anchors),
-        np.int32(len(weights) - 1 if has_map else -1),
-        np.bool_(light_sampling != "scatter"),
-        np.bool_(light_sampling != "light"),
+        return Leaf(DISTANT, flux, axis=np.array(light.direction), spread=0.0)
+    assert isinstance(light, PointLight)
+    place = np.subtract(light.position, scene.volume.centre)
+    a, b, c = light.attenuation
+    distance = max(float(np.linalg.norm(place)), 1e-3 * scene.volume.radius)
+    falloff = a + b * distance + c * distance**2
+    decays = b * distance + 2 * c * distance**2 >= falloff
+    flux *= distance**2 / falloff if decays else 1 / falloff
+    cone = light.cone_angle < 90
+    return Leaf(
+        DECAYING if decays else STEADY,
+        flux,
+        place,
+        0.0,
+        np.array(light.direction),
+        spread=0.0 if cone else math.pi,
+        reach=math.radians(light.cone_angle) if cone else math.pi / 2,
     )
 
 
-def _anchor(light: RectangleLight | DirectionalLight | PointLight, scene: Scene) -> tuple:
-    """Where the light is seen: its position, or the direction to it."""
-    if isinstance(light, DirectionalLight):
-        return (*np.negative(light.direction), 0.0)
-    place = light.centre if isinstance(light, RectangleLight) else light.position
-    return (*np.subtract(place, scene.volume.centre), 1.0)
+def _choice(leaves: list[Leaf], has_map: bool, light_sampling: str) -> packed.LightChoice | None:
+    if not any(leaf.flux > 0 for leaf in leaves):
+        return None
+    return packed.LightChoice(
+        np.int32(len(leaves) - 1 if has_map else -1),
+        np.bool_(light_sampling != "scatter"),
+        np.bool_(light_sampling != "light"),
+    )

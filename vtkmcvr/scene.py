@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 
 from . import checks
 from .camera import Camera, Lens, PixelFilter, Stereo, Vector
-from .lights import ConstantEnvironment, EnvironmentMap, Light
+from .lights import ConstantEnvironment, EnvironmentMap, GradientEnvironment, Light
 from .material import Surface, TransferFunction, TransferTable
 from .phases import Cone, HenyeyGreenstein, Isotropic, Phase, Rayleigh, Schlick
 from .volume import Volume
@@ -45,8 +45,8 @@ class Scene:
     volume, transfer, camera
         The medium, its look, the view.
     lights : sequence of Light
-        Rectangle, directional and point lights, and at most one each of ConstantEnvironment and
-        EnvironmentMap.
+        Area, directional and point lights, lights fixed to the camera, and at most one each of
+        ConstantEnvironment, GradientEnvironment and EnvironmentMap.
     surface : Surface, optional
         None: volume scattering only.
     phase : Isotropic, HenyeyGreenstein, Schlick, Rayleigh or Cone
@@ -101,7 +101,7 @@ class Scene:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "lights", tuple(self.lights))
-        for kind in (ConstantEnvironment, EnvironmentMap):
+        for kind in (ConstantEnvironment, GradientEnvironment, EnvironmentMap):
             if sum(isinstance(light, kind) for light in self.lights) > 1:
                 raise ValueError(f"a scene takes at most one {kind.__name__}")
         _check_transport(self)

@@ -1,81 +1,31 @@
 """Every sampler against the density it claims.
 
 Chance fails a right sampler in less than 1e-3 of all choices of seeds: each p-value is compared
-with 1e-3 / TESTS (Bonferroni over all p-values of this file). The seeds are fixed.
+with 1e-3 / TESTS (Bonferroni; see `densities`). The seeds are fixed.
 """
 
 import math
 
 import numpy as np
 import pytest
-from scenes import scene, slab
+from densities import TESTS, N, bin_probabilities, check, p_value
+from scenes import scene
 from scipy import stats
 
 from vtkmcvr import packed
 from vtkmcvr.kernels.brdf import brdf_pdf, sample_brdf
 from vtkmcvr.kernels.environment import environment_pdf, environment_radiance, sample_environment
 from vtkmcvr.kernels.jit import entry_point
-from vtkmcvr.kernels.lights import rectangle_distance, rectangle_pdf, sample_rectangle
 from vtkmcvr.kernels.phase import phase_value, sample_phase
 from vtkmcvr.kernels.rng import exponential, start, uniform
 from vtkmcvr.kernels.warp import concentric_disk, cosine_hemisphere, uniform_sphere
-from vtkmcvr.lights import EnvironmentMap, RectangleLight
+from vtkmcvr.lights import EnvironmentMap
 from vtkmcvr.phases import Cone, Rayleigh, Schlick
 from vtkmcvr.plan_lights import pack_lights
 from vtkmcvr.plan_phase import pack_phase
 
 f32 = np.float32
-TESTS = 200
-N = 100_000
 SEED = np.int64(11)
-COSINES, ANGLES, FINER = 20, 24, 24
-
-
-def p_value(counts, expected):
-    """Chi-square p-value of counts in bins; bins that expect fewer than 5 are pooled."""
-    counts, expected = np.ravel(counts), np.ravel(expected)
-    enough = expected >= 5
-    counts = np.append(counts[enough], counts[~enough].sum())
-    expected = np.append(expected[enough], expected[~enough].sum())
-    if expected[-1] < 5:
-        # Too little even together: nearly nothing may fall there
-        assert counts[-1] < 25
-        counts, expected = counts[:-1], expected[:-1]
-    statistic = ((counts - expected) ** 2 / expected).sum()
-    return stats.chi2.sf(statistic, len(counts) - 1)
-
-
-def bin_probabilities(density, cosines=COSINES, angles=ANGLES, finer=FINER):
-    """Integral of a density per steradian over bins of (cos theta, phi), by Gauss-Legendre."""
-    nodes, weights = np.polynomial.legendre.leggauss(finer)
-    z = (2 * (np.arange(cosines)[:, None] + (nodes + 1) / 2) / cosines - 1).reshape(-1, 1)
-    phi = (2 * (np.arange(angles)[:, None] + (nodes + 1) / 2) / angles - 1).reshape(1, -1) * math.pi
-    r = np.sqrt(1 - z * z)
-    d = np.stack(np.broadcast_arrays(r * np.cos(phi), r * np.sin(phi), z), -1).reshape(-1, 3)
-    fine = density(d.astype(f32)).reshape(cosines, finer, angles, finer).astype(np.float64)
-    return np.einsum("aibj,i,j->ab", fine, weights, weights) * (math.pi / (cosines * angles))
-
-
-def direction_counts(directions, cosines=COSINES, angles=ANGLES):
-    z = np.clip(directions[:, 2], -1, 1)
-    phi = np.arctan2(directions[:, 1], directions[:, 0])
-    limits = [[-1, 1], [-math.pi, math.pi]]
-    return np.histogram2d(z, phi, (cosines, angles), limits)[0]
-
-
-def check(directions, density, **bins):
-    """Directions follow the density; what is missing to an integral of 1 has been rejected."""
-    assert np.abs(np.linalg.norm(directions, axis=1) - 1).max() < 1e-5
-    valid = density(directions) > 0
-    expected = N * bin_probabilities(density, **bins)
-    counts = direction_counts(directions[valid], **{k: v for k, v in bins.items() if k != "finer"})
-    if valid.mean() > 0.9999:
-        # Nothing is rejected but by rounding; the rest is the error of the quadrature
-        assert abs(expected.sum() / N - 1) < 5e-3
-    else:
-        counts = np.append(counts, np.count_nonzero(~valid))
-        expected = np.append(expected, N - expected.sum())
-    assert p_value(counts, expected * (counts.sum() / expected.sum())) > 1e-3 / TESTS
 
 
 # Loops around the kernels
@@ -172,29 +122,6 @@ def environment_light(environment, directions):
     for i in range(len(directions)):
         d = directions[i]
         out[i] = environment_radiance(environment, (d[0], d[1], d[2]))
-    return out
-
-
-@entry_point
-def draw_rectangle(rectangles, chance, x, seed, n):
-    out = np.empty((n, 8), f32)
-    for i in range(n):
-        light, _ = sample_rectangle(rectangles, 0, chance, x, start(seed, i, 0))
-        out[i, :3] = light.wi
-        out[i, 3] = light.distance
-        out[i, 4:7] = light.radiance
-        out[i, 7] = light.pdf
-    return out
-
-
-@entry_point
-def rectangle_density(rectangles, x, directions):
-    out = np.zeros(len(directions), f32)
-    for i in range(len(directions)):
-        d = (directions[i, 0], directions[i, 1], directions[i, 2])
-        t = rectangle_distance(rectangles, 0, x, d)
-        if t < f32(1e29):
-            out[i] = rectangle_pdf(rectangles, f32(1.0), 0, d, t)
     return out
 
 
@@ -472,42 +399,3 @@ def test_environment_map_looks_where_it_says():
     np.testing.assert_allclose(
         head_up, environment_light(environment, np.array([[0, 1, 0], [0, -1, 0]], f32)), rtol=1e-4
     )
-
-
-# Rectangle
-
-
-def packed_rectangle(centre, size, two_sided=False):
-    light = RectangleLight(centre, (0, 0, 0), size, (1.0, 2.0, 3.0), two_sided=two_sided)
-    return pack_lights(scene(slab(), lights=(light,))).rectangles
-
-
-@pytest.mark.parametrize(
-    ("centre", "size"),
-    [((0, 0, 1), (1, 1)), ((0.2, -0.3, 0.1), (2, 0.5)), ((3, 1, -1), (1.5, 1.5))],
-)
-def test_rectangle(centre, size):
-    rectangles = packed_rectangle(centre, size)
-    x = (f32(0.0), f32(0.0), f32(0.0))
-    drawn = draw_rectangle(rectangles, f32(1.0), x, SEED, N)
-    bins = {"cosines": 24, "angles": 24, "finer": 80}
-    check(drawn[:, :3], lambda d: rectangle_density(rectangles, x, d), **bins)
-    assert np.abs(np.linalg.norm(drawn[:, :3] * drawn[:, 3:4] - centre, axis=1)).max() < 0.5001 * (
-        math.hypot(*size)
-    )
-    # radiance / density averages to radiance x solid angle
-    np.testing.assert_allclose(
-        drawn[:, 4:7] * drawn[:, 7:8], np.broadcast_to((1.0, 2.0, 3.0), (N, 3)), rtol=1e-5
-    )
-
-
-def test_rectangle_edge_on_and_from_behind_gives_nothing():
-    rectangles = packed_rectangle((0, 0, 1), (1, 1))
-    for x in [(2.0, 0.0, 1.0), (0.2, 0.1, 3.0)]:
-        drawn = draw_rectangle(rectangles, f32(1.0), tuple(map(f32, x)), SEED, 100)
-        assert np.isfinite(drawn).all()
-        assert not drawn[:, 4:8].any()
-    both = packed_rectangle((0, 0, 1), (1, 1), two_sided=True)
-    behind = (f32(0.2), f32(0.1), f32(1.5))
-    drawn = draw_rectangle(both, f32(1.0), behind, SEED, N)
-    check(drawn[:, :3], lambda d: rectangle_density(both, behind, d), finer=120)

@@ -2,8 +2,8 @@
 
 Everything that both renderers can express is translated; anything else raises a ValueError that
 names the key. Two things have no key and are left to whoever writes the scene: the camera must be
-outside the volume (Mitsuba takes a camera inside for one in vacuum), and must not see rectangles on
-which other lights shine (they are diffuse grey in Mitsuba and black here).
+outside the volume (Mitsuba takes a camera inside for one in vacuum), and must not see area lights
+on which other lights shine (they are diffuse grey in Mitsuba and black here).
 """
 
 from __future__ import annotations
@@ -20,11 +20,14 @@ from numpy.typing import NDArray
 from vtkmcvr.curves import ColourCurve, Curve
 from vtkmcvr.lights import (
     ConstantEnvironment,
+    CylinderLight,
     DirectionalLight,
+    DiskLight,
     EnvironmentMap,
     Light,
     PointLight,
     RectangleLight,
+    SphereLight,
 )
 from vtkmcvr.scene import (
     Camera,
@@ -138,11 +141,34 @@ def _rectangle(spec: Spec) -> RectangleLight:
     )  # fmt: skip
 
 
+def _spot(spec: Spec) -> PointLight:
+    # Mitsuba dims linearly in the angle between the two; ours has a sharp edge
+    if spec["beam"] < 0.999 * spec["cutoff"]:
+        raise ValueError(
+            f"lights: a spot can be expressed with beam = cutoff = {spec['cutoff']} only, "
+            f"got beam {spec['beam']}"
+        )
+    axis = np.subtract(spec["target"], spec["position"])
+    return PointLight(
+        spec["position"], spec["intensity"], direction=tuple(axis), cone_angle=spec["cutoff"]
+    )
+
+
 LIGHTS: dict[str, Callable[[Spec], Light]] = {
     "constant": lambda spec: ConstantEnvironment(spec["radiance"]),
     "point": lambda spec: PointLight(spec["position"], spec["intensity"]),
     "directional": lambda spec: DirectionalLight(spec["direction"], spec["irradiance"]),
     "rectangle": _rectangle,
+    "disk": lambda spec: DiskLight(
+        spec["center"], spec["target"], spec["radius"], spec["radiance"], visible=True
+    ),
+    "sphere": lambda spec: SphereLight(
+        spec["center"], spec["radius"], spec["radiance"], visible=True
+    ),
+    "cylinder": lambda spec: CylinderLight(
+        spec["start"], spec["end"], spec["radius"], spec["radiance"], visible=True
+    ),
+    "spot": _spot,
 }
 
 

@@ -31,6 +31,7 @@ pytestmark = pytest.mark.slow
 REPOSITORY = Path(__file__).resolve().parents[2]
 PEERS = Path(os.environ.get("VTKMCVR_PEERS", REPOSITORY.parent / "shared" / "peers"))
 SCRIPT = PEERS / "mitsuba_reference.py"
+WITH_CYLINDER = Path(__file__).with_name("mitsuba_cylinder.py")
 
 # Width and height are multiples of BLOCK
 SIZE, BLOCK = (48, 40), 4
@@ -115,7 +116,7 @@ def write_map(path):
 
 def render_theirs(peer, path):
     out = path.with_suffix(".npz")
-    command = [sys.executable, str(peer), str(path), str(out)]
+    command = [sys.executable, str(WITH_CYLINDER), str(peer), str(path), str(out)]
     command += ["--spp", str(PASS_SAMPLES), "--passes", str(PASSES)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stderr
@@ -171,12 +172,46 @@ SUN = {"type": "directional", "direction": [0.3, 1, -0.8], "irradiance": [2, 1.5
 LAMP = {"type": "point", "position": from_centre(10, -40, 30), "intensity": [4000, 3000, 5000]}
 
 
+# Of two lights one is red, one blue: each has a channel of its own
+DISK = {
+    "type": "disk",
+    "center": from_centre(-40, -20, 10),
+    "target": [*CENTRE],
+    "radius": 15,
+    "radiance": [5, 1, 0],
+}
+SPHERE = {"type": "sphere", "center": from_centre(10, 10, 50), "radius": 12, "radiance": [0, 2, 6]}
+TUBE = {
+    "type": "cylinder",
+    "start": from_centre(-35, -30, -20),
+    "end": from_centre(-35, 10, 20),
+    "radius": 4,
+    "radiance": [8, 2, 0],
+}
+SPOT = {
+    "type": "spot",
+    "position": from_centre(20, -50, 40),
+    "target": from_centre(5, 0, 3),
+    "cutoff": 12,
+    "beam": 11.999,
+    "intensity": [0, 3000, 9000],
+}
+
+
 def constant_light(folder):
     return write_scene(folder, [{"type": "constant", "radiance": [1, 0.8, 0.5]}])
 
 
 def map_and_area_light(folder):
     return write_scene(folder, [write_map(folder / "map.exr"), AREA])
+
+
+def disk_and_sphere(folder):
+    return write_scene(folder, [DISK, SPHERE])
+
+
+def tube_and_spot(folder):
+    return write_scene(folder, [TUBE, SPOT])
 
 
 def thin_lens(folder):
@@ -238,7 +273,8 @@ def stretched(folder):
 @pytest.mark.parametrize(
     "make",
     [
-        constant_light, map_and_area_light, thin_lens, forward_scattering, scattering_by(-0.5),
+        constant_light, map_and_area_light, disk_and_sphere, tube_and_spot, thin_lens,
+        forward_scattering, scattering_by(-0.5),
         scattering_by(0.5), scattering_by(0.9), many_events, many_forward_events, three_events,
         coloured_albedo, coloured_albedo_many_events, stretched,
     ],
@@ -313,9 +349,8 @@ def test_hdr_is_read_as_mitsuba_reads_it(tmp_path):
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"lights": [{"type": "spot"}]}, "lights: 'spot' cannot be expressed yet"),
-        ({"lights": [{"type": "disk"}]}, "'disk' cannot"),
-        ({"lights": [{"type": "sphere"}]}, "'sphere' cannot"),
+        ({"lights": [{"type": "projector"}]}, "lights: 'projector' cannot be expressed yet"),
+        ({"lights": [{"type": "spot", "beam": 9, "cutoff": 20}]}, "beam = cutoff = 20 only"),
         ({"lights": [{"type": "envmap", "file": "map.png"}]}, r"file: .*'map\.png'"),
         ({"sigma_t": np.zeros((4, 4, 4, 3))}, r"sigma_t: only a grid .*\(4, 4, 4, 3\)"),
     ],

@@ -5,13 +5,8 @@ import numpy as np
 from .environment import ambient_radiance, environment_pdf, environment_radiance
 from .grid import box_interval
 from .jit import device, glue
-from .lights import (
-    light_chance,
-    nearest_rectangle,
-    rectangle_pdf,
-    rectangle_radiance,
-    sample_light,
-)
+from .light_tree import light_chance
+from .lights import area_light_radiance, blocked, light_pdf, nearest_light, sample_light
 from .scatter import sample_scatter, scatter_pdf, scatter_value, scatter_weight
 from .tracking import transmittance
 from .vec import BLACK, add, largest, mul, scale, transform, wide
@@ -52,16 +47,15 @@ def light_by_light(choice, scene, v, rng):
     if not choice.by_light:
         return BLACK, rng
     light, rng = sample_light(
-        choice, scene.rectangles, scene.delta_lights, scene.environment, v.x, v.on_surface,
-        v.normal, rng,
+        choice, scene.light_tree, scene.area_lights, scene.delta_lights, scene.environment,
+        v.x, v.on_surface, v.normal, rng,
     )  # fmt: skip
     if largest(light.radiance) <= ZERO:
         return BLACK, rng
     f = mul(scatter_value(v, light.wi), light.radiance)
     if largest(f) <= ZERO:
         return BLACK, rng
-    blocker, blocked_at = nearest_rectangle(scene.rectangles, v.x, light.wi, False)
-    if blocker != light.rectangle and blocked_at < light.distance:
+    if blocked(scene.light_tree, scene.area_lights, v.x, light):
         return BLACK, rng
     T, rng = visibility(scene, v.p, light.wi, light.distance, rng)
     if choice.by_scatter and light.pdf > ZERO:
@@ -72,23 +66,23 @@ def light_by_light(choice, scene, v, rng):
 @glue
 def light_met(scene, choice, v, wi):
     """Weighted radiance that a ray along wi, drawn at v, would meet; and the distance."""
-    index, distance = nearest_rectangle(scene.rectangles, v.x, wi, False)
+    tree, lights = scene.light_tree, scene.area_lights
+    index, distance = nearest_light(tree, lights, v.x, wi, False)
     if index >= 0:
-        L = rectangle_radiance(scene.rectangles, index, wi)
-        chance = light_chance(choice, index, v.x, v.on_surface, v.normal)
-        other = rectangle_pdf(scene.rectangles, chance, index, wi, distance)
+        L = area_light_radiance(lights, index, v.x, wi, distance)
+        other = light_pdf(tree, lights, index, v.x, v.on_surface, v.normal, wi, distance)
         return weighted(choice, L, v, wi, other), distance
     L = environment_radiance(scene.environment, wi)
-    other = map_pdf(choice, scene.environment, v, wi)
-    return add(ambient_radiance(scene.ambient), weighted(choice, L, v, wi, other)), distance
+    other = map_pdf(choice, tree, scene.environment, v, wi)
+    return add(ambient_radiance(scene.ambient, wi), weighted(choice, L, v, wi, other)), distance
 
 
 @device
-def map_pdf(choice, environment, v, wi):
+def map_pdf(choice, tree, environment, v, wi):
     """Density with which light sampling draws wi from the environment map, selection included."""
     if choice is None or environment is None:
         return ZERO
-    chance = light_chance(choice, choice.environment, v.x, v.on_surface, v.normal)
+    chance = light_chance(tree, choice.environment, v.x, v.on_surface, v.normal)
     return chance * environment_pdf(environment, wi)
 
 
@@ -105,14 +99,14 @@ def weighted(choice, L, v, wi, other):
 
 
 @device
-def light_by_scatter(ambient, environment, rectangles, scene, v, rng):
+def light_by_scatter(ambient, environment, area_lights, scene, v, rng):
     """Direct light at vertex v, direction drawn by the scattering function. Returns (L, rng).
 
     Where every light is a delta light no such ray exists (no draw, no lookup).
     """
     if ambient is None:
         if environment is None:
-            if rectangles is None:
+            if area_lights is None:
                 return BLACK, rng
     wi, rng = sample_scatter(v, rng)
     f = scatter_weight(v, wi)

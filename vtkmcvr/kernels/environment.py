@@ -1,4 +1,4 @@
-"""Light from infinity: constant, or a latitude-longitude map sampled by its radiance.
+"""Light from infinity: constant, a gradient, or a latitude-longitude map sampled by its radiance.
 
 Local frame of a map: +y is up (row 0), columns run with atan2(x, -z). Pixels are values at texel
 centres, bilinear between them; a texel is chosen with the exact mean of that interpolant times its
@@ -11,19 +11,29 @@ import numpy as np
 
 from .jit import device
 from .rng import stratified_pair
-from .vec import BLACK, transform
-from .warp import PI, TWO_PI
+from .vec import BLACK, add, dot, scale, transform
+from .warp import HALF_PI, PI, TWO_PI
 
 f32 = np.float32
 ZERO, HALF, ONE = f32(0.0), f32(0.5), f32(1.0)
 
 
 @device
-def ambient_radiance(ambient):
-    """Radiance of the constant environment, from every direction."""
+def gradient_radiance(gradient, middle, d):
+    """Radiance from direction d: three colours, linear in the angle of elevation."""
+    if gradient is None:
+        return middle
+    v = math.asin(min(max(dot(gradient.up, d), -ONE), ONE)) / HALF_PI
+    end = gradient.top if v > ZERO else gradient.bottom
+    return add(scale(middle, ONE - abs(v)), scale(end, abs(v)))
+
+
+@device
+def ambient_radiance(ambient, d):
+    """Radiance of the constant or gradient environment from direction d."""
     if ambient is None:
         return BLACK
-    return ambient.radiance
+    return gradient_radiance(ambient.gradient, ambient.radiance, d)
 
 
 @device

@@ -11,7 +11,7 @@ from .direct import light_by_light, light_by_scatter, light_met
 from .environment import ambient_radiance, environment_radiance
 from .grid import box_interval
 from .jit import device, glue
-from .lights import nearest_rectangle, rectangle_radiance
+from .lights import area_light_radiance, light_seen
 from .rng import uniform
 from .scatter import sample_scatter, scatter_weight, vertex_at
 from .tracking import sample_collision
@@ -44,7 +44,7 @@ def scattered_light(scattering, scene, v, rng):
     if scattering is None:
         by_light, rng = light_by_light(scene.choice, scene, v, rng)
         by_scatter, rng = light_by_scatter(
-            scene.ambient, scene.environment, scene.rectangles, scene, v, rng
+            scene.ambient, scene.environment, scene.area_lights, scene, v, rng
         )
         return add(v.emitted, add(by_light, by_scatter)), rng
     medium = scene.medium
@@ -76,13 +76,13 @@ def scattered_light(scattering, scene, v, rng):
 
 
 @glue
-def background(scene, d, index):
-    """What a camera ray sees behind the volume: a visible rectangle, environment, or nothing."""
+def background(scene, origin, d, index, distance):
+    """What a camera ray sees behind the volume: a visible area light, environment, or nothing."""
     if index >= 0:
-        return rectangle_radiance(scene.rectangles, index, d)
+        return area_light_radiance(scene.area_lights, index, narrow(origin), d, distance)
     if not scene.environment_visible:
         return BLACK
-    return add(ambient_radiance(scene.ambient), environment_radiance(scene.environment, d))
+    return add(ambient_radiance(scene.ambient, d), environment_radiance(scene.environment, d))
 
 
 @glue
@@ -98,17 +98,17 @@ def radiance(scene, origin, d, rng):
     d_index = transform(camera.index_from_world, d_wide)
     enter, leave = box_interval(o_index, d_index, medium.active_lo, medium.active_hi)
     enter = max(enter, 0.0)
-    index, distance = nearest_rectangle(scene.rectangles, narrow(origin), d, True)
+    index, distance = light_seen(scene.light_tree, scene.area_lights, narrow(origin), d)
     length = f32(min(leave, f64(distance)) - enter)
     if not length > ZERO:
-        return background(scene, d, index), False, 0.0, BLACK, NO_NORMAL
+        return background(scene, origin, d, index, distance), False, 0.0, BLACK, NO_NORMAL
     entry = narrow(at(o_index, d_index, enter))
     d_index = narrow(d_index)
     t, scalar, sigma_t, rng = sample_collision(
         scene.marching, medium, scene.transfer, entry, d_index, length, rng
     )
     if t < ZERO:
-        return background(scene, d, index), False, 0.0, BLACK, NO_NORMAL
+        return background(scene, origin, d, index, distance), False, 0.0, BLACK, NO_NORMAL
     x = narrow(at(origin, d_wide, enter + f64(t)))
     v, rng = vertex_at(scene, x, at(entry, d_index, t), scale(d, -ONE), scalar, sigma_t, rng)
     L, rng = scattered_light(scene.scattering, scene, v, rng)
