@@ -1,9 +1,10 @@
-"""Pipeline filters: VTK algorithms that render volumes and show what they rendered."""
+"""Pipeline filters: VTK algorithms that read and render volumes and show what they rendered."""
 
 from __future__ import annotations
 
 from .denoise import DenoiseFilter
 from .monte_carlo import MonteCarloFilter
 from .tone_map import ToneMapFilter
+from .volume_reader import VolumeReader
 
-__all__ = ["DenoiseFilter", "MonteCarloFilter", "ToneMapFilter"]
+__all__ = ["DenoiseFilter", "MonteCarloFilter", "ToneMapFilter", "VolumeReader"]

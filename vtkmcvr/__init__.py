@@ -17,9 +17,15 @@ __version__ = "0.1.0"
 
 _HOME = {
     "read": "readers",
+    "read_labels": "readers",
+    "list_series": "readers",
+    "time_steps": "readers",
     "render": "front",
     "scene_of": "front",
     "render_scene": "rendering",
+    "estimate": "prediction",
+    "study": "costs.study",
+    "write_report": "report",
     "replay": "replay",
     "read_recipe": "recipe_files",
     "Picture": "picture",
@@ -67,6 +73,7 @@ _HOME = {
 __all__ = ["__version__", *_HOME]
 
 if TYPE_CHECKING:
+    from .costs.study import study
     from .curves import ColourCurve, Curve
     from .denoised_picture import DenoisedPicture
     from .environment_files import read_environment
@@ -93,10 +100,12 @@ if TYPE_CHECKING:
     )
     from .phantom import head_phantom
     from .picture import Display, Picture
-    from .readers import read
+    from .prediction import estimate
+    from .readers import list_series, read, read_labels, time_steps
     from .recipe_files import read_recipe
     from .rendering import render_scene
     from .replay import replay
+    from .report import write_report
     from .scene import (
         Camera,
         Cone,

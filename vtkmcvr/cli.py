@@ -1,4 +1,4 @@
-"""Command line: `vtkmcvr demo | render | replay | info | presets`."""
+"""Command line: `vtkmcvr demo | render | cost | replay | info | presets`."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import sys
 from collections.abc import Sequence
 
 from . import __version__
+from .commands.cost import add_cost
 from .commands.info import add_info
 from .commands.presets import add_presets
 from .commands.render import add_demo, add_render
@@ -41,7 +42,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"vtkmcvr {__version__}")
     commands = parser.add_subparsers(required=True, metavar="command")
-    for add in (add_demo, add_render, add_replay, add_info, add_presets):
+    for add in (add_demo, add_render, add_replay, add_cost, add_info, add_presets):
         add(commands)
     return parser
 

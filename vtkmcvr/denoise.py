@@ -7,6 +7,7 @@ trained network, which does not.
 
 from __future__ import annotations
 
+from importlib.util import find_spec
 from types import ModuleType
 
 import numpy as np
@@ -134,6 +135,11 @@ def oidn(
     light = denoise(np.asarray(radiance, np.float32), **guides, hdr=True)
     coverage = denoise(np.repeat(np.asarray(alpha, np.float32)[..., None], 3, axis=2), **guides)
     return light, np.clip(coverage[..., 0], 0, 1)
+
+
+def available() -> tuple[str, ...]:
+    """Methods that can be used here."""
+    return METHODS if find_spec("pyoidn") else ("knn",)
 
 
 def import_oidn() -> ModuleType:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import film_error, packed
+from .accuracy import image_error
 
 Image = NDArray[np.float32]
 
@@ -60,20 +61,14 @@ def depth(film: packed.Film) -> Image:
 
 
 def standard_error(film: packed.Film) -> Image:
-    """Standard error of the mean radiance, (H, W, 3); inf, unknown, below two samples."""
+    """Standard error of the mean radiance, (H, W, 3); inf, unknown, below two samples.
+
+    From variances pooled over 5 x 5 pixels: `mean +- 1.96 standard_error` covers the truth in 95 %
+    of the pixels, from eight samples on.
+    """
     return np.sqrt(film_error.smooth_variance(film)).astype(np.float32)
 
 
 def nrms(film: packed.Film) -> float:
-    """Estimated NRMS error of the radiance: RMS of the standard error over RMS of the truth.
-
-    The mean square of the estimate exceeds that of the truth by the error's, which is taken off. 0
-    for a film that is black without doubt, inf where the error is unknown.
-    """
-    noise = float(np.mean(film_error.variance(film)))
-    if not np.isfinite(noise):
-        return float("inf")
-    power = float(np.mean(film.mean**2)) - noise
-    if noise == 0:
-        return 0.0
-    return float(np.sqrt(noise / power)) if power > 0 else float("inf")
+    """Estimated NRMS error of the radiance; see `vtkmcvr.accuracy.image_error`."""
+    return image_error(film).nrms

@@ -14,8 +14,9 @@ from . import packed
 
 Plane = NDArray[np.float64]
 
-# Neighbourhood over which the gain of even samples is averaged: from 4 batches of 25 pixels it is
-# known to some 15 %, and 95 % intervals cover the truth as often as those of independent samples
+# Neighbourhood over which variances are pooled: 5 x 5 pixels. On a CT head and an engine, 95 %
+# intervals of 8 samples cover the truth in 67 and 75 % of the pixels without it, in 90 and 95 %
+# with 3 x 3, in 94 and 95 % with 5 x 5
 RADIUS = 2
 
 
@@ -31,20 +32,29 @@ def variance(film: packed.Film) -> Plane:
 
 
 def smooth_variance(film: packed.Film) -> Plane:
-    """`variance`, with less noise where it comes from batches.
+    """`variance`, pooled over the neighbourhood of each pixel, (H, W, 3).
 
-    That of independent samples, times the ratio of both in the neighbourhood of the pixel.
+    The variance that few samples show is a poor one: a pixel that is lit by one path in twenty
+    shows none at all in eight samples more often than not, and its interval of no width misses the
+    truth. Neighbours are alike; their pooled variance makes 95 % intervals cover the truth in 95 %
+    of the pixels, on average, from eight samples on. Sums of squares and degrees of freedom are
+    added up, so that pixels count by their samples.
     """
-    samples = _between_samples(film)
+    n = film.count
     if film.batches is None:
-        return samples
-    # The unknown, on either side of the ratio, would make all around it unknown
-    within = _box_sum(np.where(np.isfinite(samples), samples, 0.0).sum(axis=-1))
-    exact = variance(film)
-    between = _box_sum(np.where(np.isfinite(exact), exact, 0.0).sum(axis=-1))
-    ratio = np.divide(between, within, out=np.ones_like(within), where=within > 0)
-    known = np.isfinite(samples)
-    return np.where(known, np.where(known, samples, 0.0) * ratio[..., None], np.inf)
+        squares, freedom, size = film.m2, n - 1, n
+    else:
+        # Between batches where every pixel has two, otherwise between samples: an upper estimate
+        whole = _batches(film)
+        exact = bool((whole > 1).all())
+        squares = film.batches.m2 if exact else film.m2
+        freedom = whole - 1 if exact else n - 1
+        size = n / packed.BATCH if exact else n
+    pooled = _box_sum(np.maximum(freedom, 0).astype(np.float64))
+    known = (pooled > 0)[..., None] & (n > 0)[..., None]
+    spread = np.stack([_box_sum(squares[..., c]) for c in range(3)], axis=-1)
+    mean_square = spread / np.maximum(pooled, 1)[..., None]
+    return np.where(known, mean_square / np.maximum(size, 1)[..., None], np.inf)
 
 
 def _between_samples(film: packed.Film) -> Plane:

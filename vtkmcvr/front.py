@@ -110,6 +110,7 @@ def render(
     technique: str = "monte-carlo",
     samples: int | None = None,
     seconds: float | None = None,
+    nrms: float | None = None,
     seed: int = 0,
     threads: int | None = None,
     exposure: float | None = None,
@@ -125,9 +126,11 @@ def render(
     data : vtkImageData, pyvista.ImageData, Volume or Scene
     technique : {"monte-carlo"}
     samples : int, optional
-        Samples per pixel. Default: 64, or unlimited with `seconds`.
+        Samples per pixel. Default: 64, or unlimited with `seconds` or `nrms`.
     seconds : float, optional
-        Time to render; with `samples`, whichever is met first.
+        Time to render.
+    nrms : float, optional
+        Error to reach, such as 0.02. Whichever of the three is met first ends the render.
     seed : int
         The same seed gives the same bits on any number of threads.
     threads : int, optional
@@ -156,15 +159,19 @@ def render(
     else:
         dressed = scene_of(data, **scene)
     picture = render_scene(
-        dressed.scene, samples=samples, seconds=seconds, seed=seed, threads=threads,
+        dressed.scene, samples=samples, seconds=seconds, nrms=nrms, seed=seed, threads=threads,
         display=Display(dressed.exposure if exposure is None else exposure, background),
         progress=progress, abort=abort,
     )  # fmt: skip
-    return replace(picture, recipe=_recipe(picture, dressed, samples, seconds))
+    return replace(picture, recipe=_recipe(picture, dressed, samples, seconds, nrms))
 
 
 def _recipe(
-    picture: Picture, dressed: Dressed, samples: int | None, seconds: float | None
+    picture: Picture,
+    dressed: Dressed,
+    samples: int | None,
+    seconds: float | None,
+    nrms: float | None,
 ) -> dict[str, Any]:
     """What was asked for, as plain JSON values; nothing of the volume's file or patient."""
     volume, camera = dressed.scene.volume, dressed.scene.camera
@@ -174,6 +181,7 @@ def _recipe(
         "preset": dressed.preset,
         "samples": samples,
         "seconds": seconds,
+        "nrms": nrms,
         "seed": picture.seed,
         "size": list(picture.size),
         "exposure": picture.display.exposure,

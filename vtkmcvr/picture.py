@@ -42,7 +42,7 @@ class Picture:
     seconds : float
         Rendering time, compilation not counted, over all runs that made this picture.
     stopped_by : str
-        "samples", "seconds" or "user".
+        "samples", "seconds", "nrms", "dark" (no path has found light) or "user".
     recipe : dict
         What the front door was asked for. A saved picture says more: see `vtkmcvr.recipe`.
     """
@@ -160,14 +160,18 @@ class Picture:
         self,
         samples: int | None = None,
         seconds: float | None = None,
+        nrms: float | None = None,
         *,
         progress: Callable[[Progress], object] | None = None,
         abort: Callable[[], bool] | None = None,
     ) -> Picture:
-        """Continue up to `samples` in all, or for `seconds` more; bits as if never interrupted."""
+        """Continue up to `samples` in all, for `seconds` more, or down to an error of `nrms`.
+
+        The bits are those of a run that was never interrupted.
+        """
         from .rendering import continue_picture
 
-        return continue_picture(self, samples, seconds, progress, abort)
+        return continue_picture(self, samples, seconds, nrms, progress, abort)
 
     def arrays(self) -> dict[str, NDArray]:
         """All arrays by public name; AOVs where the film has them."""

@@ -20,6 +20,7 @@ def render_scene(
     *,
     samples: int | None = None,
     seconds: float | None = None,
+    nrms: float | None = None,
     seed: int = 0,
     threads: int | None = None,
     display: Display | None = None,
@@ -33,9 +34,11 @@ def render_scene(
     ----------
     scene : Scene or Plan
     samples : int, optional
-        Samples per pixel, >= 1. Default: 64, or unlimited when `seconds` is given.
+        Samples per pixel, >= 1. Default: 64, or unlimited with `seconds` or `nrms`.
     seconds : float, optional
         Time to render, > 0; compilation is not counted.
+    nrms : float, optional
+        Error to reach, > 0, with 95 % confidence. Whichever rule is met first ends the render.
     seed : int
         >= 0. The same seed gives the same bits for any number of threads.
     threads : int, optional
@@ -53,7 +56,7 @@ def render_scene(
     -------
     Picture
     """
-    rules = _rules(samples, seconds, abort)
+    rules = _rules(samples, seconds, nrms, abort)
     checks.whole("seed", seed, least=0)
     if seed >= 2**63:
         raise ValueError(f"seed must be below 2^63, got {seed}")
@@ -77,11 +80,12 @@ def continue_picture(
     picture: Picture,
     samples: int | None,
     seconds: float | None,
+    nrms: float | None,
     progress: Callable[[Progress], object] | None,
     abort: Callable[[], bool] | None,
 ) -> Picture:
     """A picture with more samples; the one given stays as it is."""
-    rules = _rules(samples, seconds, abort)
+    rules = _rules(samples, seconds, nrms, abort)
     film = copy_film(picture.film)
     stopped_by, spent = schedule.run(
         picture.plan.packed, film, rules, picture.seed, picture.threads, progress
@@ -93,12 +97,17 @@ def continue_picture(
 
 
 def _rules(
-    samples: int | None, seconds: float | None, abort: Callable[[], bool] | None
+    samples: int | None,
+    seconds: float | None,
+    nrms: float | None,
+    abort: Callable[[], bool] | None,
 ) -> StopRules:
     if samples is not None:
         checks.whole("samples", samples, least=1)
-    elif seconds is None:
+    elif seconds is None and nrms is None:
         samples = DEFAULT_SAMPLES
     if seconds is not None:
         checks.number("seconds", seconds, above=0.0)
-    return StopRules(samples, seconds, abort)
+    if nrms is not None:
+        checks.number("nrms", nrms, above=0.0)
+    return StopRules(samples, seconds, abort, nrms)

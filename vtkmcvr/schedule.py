@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import packed
+from .accuracy import ImageError, image_error, samples_for
 from .kernels.cpu import render_tile
 
 logger = logging.getLogger("vtkmcvr")
@@ -27,6 +28,11 @@ TILE_SECONDS, PASS_SECONDS, POLL_SECONDS = 0.02, 0.5, 0.02
 FIRST_TILE, LARGEST_TILE = 64, 64
 COMPILE_MESSAGE_AFTER = 1.0
 UNLIMITED = 2**40
+# Before an error is believed: samples of a pixel, and paths in all, so that a light that one path
+# in 100 000 finds has been found
+LEAST_SAMPLES, LEAST_PATHS = 16, 2**20
+# Paths without any light after which a picture is taken to be black
+DARK_PATHS = 2**24
 
 
 @dataclass(frozen=True)
@@ -58,6 +64,8 @@ class StopRules:
         Samples per pixel to reach.
     seconds : float, optional
         Time to spend, compilation not counted.
+    nrms : float, optional
+        Error to reach: the upper end of its 95 % interval. A picture that stays black ends too.
     abort : callable, optional
         Asked every few hundredths of a second; True ends the render.
     """
@@ -65,6 +73,7 @@ class StopRules:
     samples: int | None
     seconds: float | None
     abort: Callable[[], bool] | None
+    nrms: float | None = None
 
 
 def run(
@@ -131,6 +140,7 @@ class _Runner:
         self.first = int(film.count.min())
         self.halt = threading.Event()
         self.paths = 0
+        self.error: ImageError | None = None
         self.stopped_by = ""
         self.start = time.perf_counter()
 
@@ -143,8 +153,9 @@ class _Runner:
             if self.halt.is_set():
                 return self.stopped_by
             done = target
+            self._judge(done)
             self._report(done)
-            if self._over():
+            if self.stopped_by or self._over():
                 return self.stopped_by
         return "samples"
 
@@ -158,7 +169,28 @@ class _Runner:
         if self.rules.seconds is not None:
             seconds = min(seconds, self.rules.seconds - elapsed)
         more = max(1, int(seconds * rate / self.film.count.size))
+        if self.rules.nrms is not None:
+            # Slowly at first: a whole pass may be far more than it takes
+            more = min(more, max(3 * done, LEAST_SAMPLES - done))
+        if self.error is not None and math.isfinite(self.error.high):
+            assert self.rules.nrms is not None
+            enough = samples_for(self.error.high, done, self.rules.nrms)
+            enough = max(enough, LEAST_SAMPLES, LEAST_PATHS / self.film.count.size)
+            more = max(1, min(more, math.ceil(enough) - done))
         return min(done + more, self.goal)
+
+    def _judge(self, done: int) -> None:
+        """Stop where the error is small enough, or where there is no light at all."""
+        if self.rules.nrms is None:
+            return
+        self.error = image_error(self.film)
+        paths = done * self.film.count.size
+        if done < LEAST_SAMPLES or paths < LEAST_PATHS:
+            return
+        if self.error.high <= self.rules.nrms:
+            self.stopped_by = "nrms"
+        elif not self.error.bright and paths >= DARK_PATHS:
+            self.stopped_by = "dark"
 
     def _pass(self, pool: ThreadPoolExecutor, target: int) -> None:
         tiles = iter(list(self._tiles(target)))
@@ -225,4 +257,7 @@ class _Runner:
         fraction = self.paths / max(1, (self.goal - self.first) * self.film.count.size)
         if self.rules.seconds is not None:
             fraction = max(fraction, elapsed / self.rules.seconds)
+        if self.error is not None and self.error.high > 0:
+            assert self.rules.nrms is not None
+            fraction = max(fraction, (self.rules.nrms / self.error.high) ** 2)
         self.progress(Progress(min(fraction, 1.0), samples, elapsed))

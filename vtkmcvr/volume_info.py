@@ -4,22 +4,25 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
     from numpy.typing import NDArray
     from vtkmodules.vtkCommonDataModel import vtkImageData
 
 __all__ = [
+    "Segment",
     "count_nonfinite",
     "format_info",
     "modality",
     "notes",
     "record_facts",
+    "segments",
     "units",
     "volume_info",
 ]
@@ -27,6 +30,7 @@ __all__ = [
 NOTES_FIELD = "vtkmcvr.notes"
 MODALITY_FIELD = "vtkmcvr.modality"
 UNITS_FIELD = "vtkmcvr.units"
+SEGMENTS_FIELD = "vtkmcvr.segments"
 
 HISTOGRAM_BINS = 32
 PERCENTILES = (1, 50, 99)
@@ -34,10 +38,32 @@ CHUNK = 1 << 22
 BAR_WIDTH = 40
 
 
+@dataclass(frozen=True)
+class Segment:
+    """What one value of a label map means.
+
+    Attributes
+    ----------
+    value : int
+        The label.
+    name : str
+        Such as "liver".
+    colour : tuple of 3 floats
+        sRGB, 0 to 1.
+    """
+
+    value: int
+    name: str
+    colour: tuple[float, float, float]
+
+
 # Facts stored on the image
 
 
-def record_facts(image: vtkImageData, noted: list[str], modality: str, units: str) -> None:
+def record_facts(
+    image: vtkImageData, noted: list[str], modality: str, units: str,
+    segments: Sequence[Segment] = (),
+) -> None:  # fmt: skip
     """Store notes, modality and units as field data of `image`, replacing earlier ones.
 
     Parameters
@@ -48,10 +74,14 @@ def record_facts(image: vtkImageData, noted: list[str], modality: str, units: st
         Notes, stored as JSON.
     modality, units : str
         DICOM modality ("CT", "MR" ...) and unit of the values ("HU"), empty where unknown.
+    segments : sequence of Segment, optional
+        For a label map, stored as JSON.
     """
     from vtkmodules.vtkCommonCore import vtkStringArray
 
     facts = {NOTES_FIELD: json.dumps(noted), MODALITY_FIELD: modality, UNITS_FIELD: units}
+    if segments:
+        facts[SEGMENTS_FIELD] = json.dumps([[s.value, s.name, s.colour] for s in segments])
     for name, text in facts.items():
         array = vtkStringArray()
         array.SetName(name)
@@ -72,6 +102,12 @@ def modality(image: vtkImageData) -> str:
 def units(image: vtkImageData) -> str:
     """Return the unit of the values of `image`, such as "HU"; empty if unknown."""
     return _recorded(image, UNITS_FIELD)
+
+
+def segments(image: vtkImageData) -> list[Segment]:
+    """Return what the labels of `image` mean; empty if it is no label map."""
+    stored = json.loads(_recorded(image, SEGMENTS_FIELD) or "[]")
+    return [Segment(int(value), str(name), tuple(colour)) for value, name, colour in stored]
 
 
 def _recorded(image: vtkImageData, name: str) -> str:
@@ -111,7 +147,7 @@ def volume_info(image: vtkImageData) -> dict[str, Any]:
         "cells" or ""), `dtype`, `components`, `memory_mb` (10**6 bytes), `range` (lowest and
         highest finite value, or None), `component_ranges`, `nan` and `inf` (counts),
         `percentiles`, `histogram` (`counts` and `edges` of 32 bins over all components),
-        `notes`, `modality` and `units`.
+        `notes`, `modality`, `units` and `segments` (value, name and colour of each label).
     """
     direction = image.GetDirectionMatrix()
     return {
@@ -124,6 +160,7 @@ def volume_info(image: vtkImageData) -> dict[str, Any]:
         "notes": notes(image),
         "modality": modality(image),
         "units": units(image),
+        "segments": [asdict(segment) for segment in segments(image)],
     }
 
 
@@ -238,6 +275,7 @@ def format_info(info: dict[str, Any]) -> str:
     """
     lines = [f"{label:<12} {text}" for label, text in _rows(info) if text]
     lines += [f"{'note':<12} {note}" for note in info["notes"]]
+    lines += [f"{'label':<12} {s['value']} {s['name']}" for s in info.get("segments", [])]
     return "\n".join(lines + _histogram_lines(info)) + "\n"
 
 

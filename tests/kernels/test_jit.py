@@ -1,12 +1,14 @@
 """Kernels as plain Python, and the stamp of the on-disk cache."""
 
 import os
+import pickle
 import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import numpy as np
+import pytest
 from compiled import compiled
 from numba.core.caching import FunctionCache
 from scenes import blob, everything, render
@@ -85,7 +87,20 @@ def test_kernels_carry_the_stamp():
     for kernel in (render_tile, path.light_by_light):
         assert isinstance(kernel._cache, jit._StampedCache)
         assert isinstance(kernel._cache, FunctionCache)
-        assert jit.source_stamp() in str(kernel._cache._cache_file._source_stamp)
+        assert jit.source_stamp() in kernel._cache._cache_file._version
+
+
+def test_index_of_older_kernels_is_not_even_unpickled(tmp_path):
+    # It may name classes that are gone
+    index = jit._StampedCache(render_tile.py_func)._cache_file
+    index._index_path = str(tmp_path / "older.nbi")
+    current = index._version
+    for version in ("0.1", current.replace(jit.source_stamp(), "0" * 64)):
+        (tmp_path / "older.nbi").write_bytes(pickle.dumps(version) + b"no pickle")
+        assert index._load_index() == {}
+    (tmp_path / "older.nbi").write_bytes(pickle.dumps(current) + b"no pickle")
+    with pytest.raises(pickle.UnpicklingError):
+        index._load_index()
 
 
 def test_kernel_outside_the_package_is_rebuilt_after_an_edit(tmp_path):

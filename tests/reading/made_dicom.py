@@ -49,7 +49,7 @@ def write_slice(path: Path, pixels: np.ndarray, position: object, **attributes: 
     dataset.file_meta.MediaStorageSOPClassUID = dataset.SOPClassUID
     dataset.file_meta.MediaStorageSOPInstanceUID = dataset.SOPInstanceUID
     dataset.PixelData = pixels.astype(pixels.dtype.newbyteorder("<")).tobytes()
-    path.parent.mkdir(exist_ok=True)
+    path.parent.mkdir(parents=True, exist_ok=True)
     dataset.save_as(path, enforce_file_format=True)
 
 

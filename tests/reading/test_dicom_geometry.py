@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from made_dicom import NORMAL, positions, write_series
-from made_volumes import VOXELS, affine, error_of
+from made_volumes import VOXELS, affine, error_of, voxels
 
 from vtkmcvr.readers import VolumeReadError, notes, read
 from vtkmcvr.reading.dicom_geometry import Plane, judge_stack
@@ -71,8 +71,9 @@ def test_four_dimensional_series(tmp_path: Path) -> None:
         tmp_path / "mr", VOXELS[[0, 1, 2, 0, 1, 2]], places, EchoTime=(5, 5, 5, 9, 9, 9)
     )
     message = error_of(folder)
-    assert "a 4-D image with 2 volumes of 3 slices each" in message
-    assert "differ in echo time; keep the slices of one of them" in message
+    assert "2 volumes that share their positions and differ in echo time" in message
+    assert "choose one with time=0 to time=1" in message
+    np.testing.assert_array_equal(voxels(read(folder, time=1)), VOXELS[[0, 1, 2]])
 
 
 def test_mixed_orientations(tmp_path: Path) -> None:

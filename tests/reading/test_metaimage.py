@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from made_volumes import VOXELS, error_of, save, voxels
 
-from vtkmcvr.readers import read
+from vtkmcvr.readers import read, time_steps
 
 
 @pytest.mark.parametrize("compressed", [False, True])
@@ -41,3 +41,11 @@ def test_bytes_behind_compressed_metaimage_are_ignored(tmp_path: Path) -> None:
     path = save(tmp_path / "a.mha", gz=True)
     path.write_bytes(path.read_bytes() + b"trailing")
     np.testing.assert_array_equal(voxels(read(path)), VOXELS)
+
+
+def test_one_of_several_volumes_is_chosen(tmp_path: Path) -> None:
+    path = save(tmp_path / "a.mha", np.stack([VOXELS + 1000 * k for k in range(4)]))
+    np.testing.assert_array_equal(voxels(read(path)), VOXELS)
+    np.testing.assert_array_equal(voxels(read(path, time=3)), VOXELS + 3000)
+    assert "there is no volume with time=4; allowed is 0 to 3" in error_of(path, time=4)
+    assert time_steps(path) == [0, 1, 2, 3]

@@ -27,8 +27,11 @@ def test_nifti_lengths_become_mm_and_missing_orientation_is_noted(tmp_path: Path
 
 
 def test_four_dimensional_nifti(tmp_path: Path) -> None:
-    path = save(tmp_path / "a.nii", np.stack([VOXELS] * 4))
-    assert "a 4-D image with 4 volumes; save the one to show" in error_of(path)
+    path = save(tmp_path / "a.nii", np.stack([VOXELS + k for k in range(4)]))
+    np.testing.assert_array_equal(voxels(read(path)), VOXELS)
+    np.testing.assert_array_equal(voxels(read(path, time=3)), VOXELS + 3)
+    assert any("volume 0 of 0 to 3 read (time steps)" in note for note in notes(read(path)))
+    assert "there is no volume with time=4; allowed is 0 to 3" in error_of(path, time=4)
 
 
 @pytest.mark.parametrize("name", ["a.nii", "a.nii.gz"])
@@ -38,7 +41,7 @@ def test_truncated_nifti_is_refused(tmp_path: Path, name: str) -> None:
     whole = path.read_bytes()
     for kept in (len(whole) - 20, len(whole) // 2):
         path.write_bytes(whole[:kept])
-        assert "truncated: voxels are missing at its end" in error_of(path)
+        assert "truncated" in error_of(path)
 
 
 def test_gzip_in_several_members_is_read(tmp_path: Path) -> None:
@@ -54,7 +57,7 @@ def test_bad_nifti_header(tmp_path: Path) -> None:
     path = tmp_path / "b.nii"
     for data, problem in (
         (b"text" * 100, "not a NIfTI file"),
-        (struct.pack("<i", 540) + good[4:], "NIfTI-2 is not supported; save it as NIfTI-1"),
+        (struct.pack("<i", 540) + good[4:], "not a NIfTI file (its header is damaged)"),
         (good[:344] + b"ni1\0" + good[348:], "a NIfTI header without voxels"),
         (good[:108] + struct.pack("<f", np.nan) + good[112:], "the header is damaged"),
     ):

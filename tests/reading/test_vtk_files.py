@@ -80,7 +80,7 @@ def test_bad_vtk_files(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> Non
     for name in ("a.vti", "a.vtk"):
         path = tmp_path / name
         path.write_bytes(path.read_bytes()[:-300])
-        assert "not a whole VTK file" in error_of(path)
+        assert "damaged" in error_of(path)
         path.write_text("hello")
         assert "not a whole VTK file" in error_of(path)
     assert "holds vtkPolyData, not an image" in error_of(tmp_path / "sphere.vtk")

@@ -6,16 +6,15 @@ import argparse
 from typing import Any
 
 from .camera_options import add_camera_options
+from .inputs import add_input_options
 
 
-def add_render_options(parser: argparse.ArgumentParser) -> None:
-    """Everything that decides a picture."""
+def add_scene_options(parser: argparse.ArgumentParser, *, all_times: bool = False) -> None:
+    """Everything that decides what is seen."""
+    add_input_options(parser, all_times=all_times)
     add = parser.add_argument
     add("--preset", help="look; see `vtkmcvr presets`. Default: chosen from the values")
     add("--size", type=_size, default=(800, 600), metavar="WxH", help="pixels, default 800x600")
-    add("--samples", type=int, help="samples per pixel, default 64")
-    add("--seconds", type=float, help="time to render; with --samples, whichever is met first")
-    add("--seed", type=int, default=0)
     add("--threads", type=int, help="default: all CPUs of the process")
     add(
         "--view", default="front", help="front back left right top bottom: side of the patient seen"
@@ -24,6 +23,26 @@ def add_render_options(parser: argparse.ArgumentParser) -> None:
     add("--elevation", type=float, default=0.0, help="degrees up")
     add("--roll", type=float, default=0.0, help="degrees clockwise")
     add("--zoom", type=float, default=1.0)
+    add(
+        "--flip",
+        metavar="AXES",
+        help="index axes that run backwards, such as k; for files that "
+        "do not say which way they were stored",
+    )
+    add("--shift", type=float, help="added to the values to get HU; default: detected")
+    add("--environment", metavar="MAP", help="light by this .hdr or .exr panorama instead")
+    add_camera_options(parser)
+    add("--quiet", action="store_true", help="no progress and no report")
+
+
+def add_render_options(parser: argparse.ArgumentParser) -> None:
+    """Everything that decides a picture."""
+    add_scene_options(parser, all_times=True)
+    add = parser.add_argument
+    add("--samples", type=int, help="samples per pixel, default 64")
+    add("--seconds", type=float, help="time to render; the first limit that is met ends the render")
+    add("--nrms", type=float, help="error to reach, such as 0.02")
+    add("--seed", type=int, default=0)
     add("--exposure", type=float, help="stops; default: the look's")
     add(
         "--background",
@@ -32,21 +51,16 @@ def add_render_options(parser: argparse.ArgumentParser) -> None:
         metavar="COLOUR",
         help="transparent, or sRGB as #rrggbb",
     )
-    add(
-        "--flip",
-        metavar="AXES",
-        help="index axes that run backwards, such as k; for files that "
-        "do not say which way they were stored",
-    )
-    add("--shift", type=float, help="added to the values to get HU; default: detected")
-    add("--series", help="series UID or number, where a DICOM folder holds several")
-    add("--environment", metavar="MAP", help="light by this .hdr or .exr panorama instead")
-    add_camera_options(parser)
     add("--bits", type=int, choices=(8, 16), default=8, help="of a .png")
     add("--denoise", choices=("knn", "oidn"), help="reduce noise, at a bias; the report says so")
     add("--aovs", action="store_true", help="also albedo and normal, in .exr, .vti and .npz")
+    add(
+        "--dry-run",
+        action="store_true",
+        help="predict samples, time and memory for --nrms (0.01) from a short pilot; no picture",
+    )
+    add("--report", metavar="FILE", help="page about the picture, its error and its cost: .html")
     add("--json", metavar="FILE", help="what was measured")
-    add("--quiet", action="store_true", help="no progress and no report")
 
 
 def _size(text: str) -> tuple[int, int]:

@@ -7,15 +7,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .. import __version__
-from .camera_options import camera_options
-from .inputs import read_input
+from .inputs import read_as_asked
 from .options import add_render_options
+from .scenes import demo_volume, flipped, scene_options
 from .terminal import Bar, Interrupt, say_to, write_json
 
 if TYPE_CHECKING:
     from ..picture import Picture
 
 DEMO_PICTURE = "vtkmcvr-demo.png"
+PREDICTED_NRMS = 0.01
+# Time to measure what an effect costs, as a share of the picture's
+REPORT_SHARE = 0.2
 
 
 def add_demo(commands: Any) -> None:
@@ -33,52 +36,50 @@ def add_render(commands: Any) -> None:
     render.add_argument(
         "input", help="DICOM folder or file, .nrrd .nhdr .nii .nii.gz .mha .mhd .vti"
     )
-    render.add_argument("-o", "--output", required=True, help="picture: .png .exr .vti .npz")
+    render.add_argument("-o", "--output", help="picture: .png .exr .vti .npz")
     add_render_options(render)
     render.set_defaults(command=_render)
 
 
 def _demo(args: argparse.Namespace) -> int:
-    if args.input is not None:
-        return make_picture(read_input(args.input, args.series), args, explain=True)
-    from ..phantom import head_phantom
-    from ..scene import Volume
+    data = _demo_head(args) if args.input is None else read_as_asked(args.input, args)
+    return _predict(data, args) if args.dry_run else make_picture(data, args, explain=True)
 
-    say = say_to(args)
-    say("synthetic CT head phantom (no patient), 192 x 192 x 192")
+
+def _demo_head(args: argparse.Namespace) -> Any:
+    """The synthetic head, with its look and view where none is asked for."""
+    say_to(args)("synthetic CT head phantom (no patient), 192 x 192 x 192")
     if args.preset is None:
         args.preset = "ct-bone"
     if args.azimuth == 0 and args.elevation == 0 and args.view == "front":
         args.azimuth, args.elevation = -28.0, 6.0
-    return make_picture(Volume.from_grid(*head_phantom(192)), args, explain=True)
+    return demo_volume()
 
 
 def _render(args: argparse.Namespace) -> int:
     from ..picture import check_suffix
 
+    if args.dry_run:
+        return _predict(read_as_asked(args.input, args), args)
+    if args.output is None:
+        raise ValueError("where to write the picture? Give -o FILE, or --dry-run for its cost")
+    if args.time == "all":
+        from .sequence import make_sequence
+
+        return make_sequence(args)
     check_suffix(args.output)
-    return make_picture(read_input(args.input, args.series), args)
+    return make_picture(read_as_asked(args.input, args), args)
 
 
 def make_picture(data: Any, args: argparse.Namespace, *, explain: bool = False) -> int:
     """Render, save, report; returns the exit status."""
-    from ..front import BACKDROP, render
     from ..picture import check_suffix
+    from ..report import check_report
 
     check_suffix(args.output)
+    check_report(args.report)
     say = say_to(args)
-    data = _flipped(data, args.flip)
-    options = _scene_options(data, args)
-    background = {"preset": BACKDROP, "transparent": None}.get(args.background, args.background)
-    stop = Interrupt()
-    with stop, Bar(args.quiet) as bar:
-        picture = render(
-            data, samples=args.samples, seconds=args.seconds, seed=args.seed, threads=args.threads,
-            exposure=args.exposure, background=background, progress=bar, abort=stop.is_set,
-            **options,
-        )  # fmt: skip
-    if args.denoise:
-        picture = picture.denoised(args.denoise)
+    picture = picture_of(data, args)
     picture.save(args.output, bits=args.bits)
     if explain:
         say(picture.plan.explain())
@@ -86,39 +87,55 @@ def make_picture(data: Any, args: argparse.Namespace, *, explain: bool = False) 
         say(f"note: {note}")
     say(_cost(picture))
     say(f"picture: {Path(args.output).resolve()}")
-    write_json(args.json, _facts(picture))
+    write_json(args.json, picture_facts(picture))
+    if args.report:
+        _report(picture, args)
     return 0
 
 
-def _flipped(data: Any, axes: str | None) -> Any:
-    if axes is None:
-        return data
-    from ..scene import Volume
-    from ..vtk_scene import volume_of
+def picture_of(data: Any, args: argparse.Namespace) -> Picture:
+    """Render as the arguments say."""
+    from ..front import BACKDROP, render
 
-    return (data if isinstance(data, Volume) else volume_of(data)).flipped(axes)
-
-
-def _scene_options(data: Any, args: argparse.Namespace) -> dict[str, Any]:
-    from ..front import View
-
-    options: dict[str, Any] = {
-        "preset": args.preset,
-        "size": args.size,
-        "shift": args.shift,
-        "view": View(args.view, args.azimuth, args.elevation, args.roll, args.zoom),
-    }
-    if args.aovs or args.denoise == "oidn":
-        options["aovs"] = ("albedo", "normal")
-    if args.environment:
-        from ..environment_files import read_environment
-        from ..lights import EnvironmentMap
-
-        options["lights"] = [EnvironmentMap(read_environment(args.environment))]
-    return camera_options(data, options, args)
+    data = flipped(data, args.flip)
+    options = scene_options(data, args)
+    background = {"preset": BACKDROP, "transparent": None}.get(args.background, args.background)
+    stop = Interrupt()
+    with stop, Bar(args.quiet) as bar:
+        picture = render(
+            data, samples=args.samples, seconds=args.seconds, nrms=args.nrms, seed=args.seed,
+            threads=args.threads, exposure=args.exposure, background=background, progress=bar,
+            abort=stop.is_set,
+            **options,
+        )  # fmt: skip
+    return picture.denoised(args.denoise) if args.denoise else picture
 
 
-def _facts(picture: Picture) -> dict[str, Any]:
+def _predict(data: Any, args: argparse.Namespace) -> int:
+    """What the picture would cost."""
+    from ..front import scene_of
+    from ..prediction import estimate
+
+    data = flipped(data, args.flip)
+    scene = scene_of(data, **scene_options(data, args)).scene
+    predicted = estimate(scene, args.nrms or PREDICTED_NRMS, threads=args.threads)
+    print(predicted)
+    write_json(args.json, predicted.facts())
+    return 0
+
+
+def _report(picture: Picture, args: argparse.Namespace) -> None:
+    from ..costs.effects import effect_costs
+    from ..report import write_report
+
+    seconds = min(max(REPORT_SHARE * picture.seconds, 0.2), 10.0)
+    costs = effect_costs(picture.plan.scene, seconds, args.threads)
+    path = write_report(picture, args.report, costs)
+    say_to(args)(f"report: {path.resolve()}")
+
+
+def picture_facts(picture: Picture) -> dict[str, Any]:
+    """What was measured, ready for JSON."""
     return {
         **picture.facts(),
         "volume": picture.recipe["volume"],

@@ -70,7 +70,7 @@ class Bar:
                 return self
             self.rich = Progress(console=Console(stderr=True), transient=True)
             self.rich.start()
-            self.task = self.rich.add_task("rendering", total=1.0)
+            self.task = self.rich.add_task("", total=1.0)
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -80,10 +80,13 @@ class Bar:
             print(file=sys.stderr)
 
     def __call__(self, progress: Any) -> None:
-        """Show how far it is."""
+        """Show how far a render is."""
+        self.show(progress.fraction, f"rendering, {progress.samples} samples")
+
+    def show(self, fraction: float, text: str) -> None:
+        """Show the share that is done, 0 to 1, and what is being done."""
         if self.rich is not None:
-            text = f"{progress.samples} samples"
-            self.rich.update(self.task, completed=progress.fraction, description=text)
+            self.rich.update(self.task, completed=fraction, description=text)
         elif self.on and time.monotonic() - self.last > 0.2:
             self.last = time.monotonic()
-            print(f"\rrendering {progress.fraction:4.0%}", end="", file=sys.stderr, flush=True)
+            print(f"\r{text[:60]:<60} {fraction:4.0%}", end="", file=sys.stderr, flush=True)

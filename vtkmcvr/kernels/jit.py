@@ -30,11 +30,15 @@ def source_stamp() -> str:
 
 
 class _StampedCache(FunctionCache):
-    """Numba's on-disk cache, fresh while neither its file nor a kernel source has changed."""
+    """Numba's on-disk cache, fresh while neither its file nor a kernel source has changed.
+
+    The stamp is part of the version, which is read before the index: an index of an older vtkmcvr
+    may name classes that are gone.
+    """
 
     def __init__(self, py_func: Callable):
         super().__init__(py_func)
-        self._cache_file._source_stamp = (self._cache_file._source_stamp, source_stamp())
+        self._cache_file._version = f"{self._cache_file._version} {source_stamp()}"
 
 
 def _cached(dispatcher):

@@ -19,7 +19,6 @@ STEP_TOLERANCE = 0.02
 STEP_TOLERANCE_MM = 0.01
 SAME_POSITION_MM = 1e-3
 ORIENTATION_TOLERANCE = 1e-3
-KEEP_ONE = "keep the slices of one of them in the folder"
 
 
 @dataclass(frozen=True)
@@ -55,6 +54,8 @@ class StackGeometry:
         Indices of the given planes from the first slice to the last.
     notes : list of str
         Deviations that are allowed but worth knowing.
+    uneven : ndarray, shape (planes, 3), or None
+        Positions in their order, where the planes have to be resampled to become this grid.
     """
 
     origin: NDArray[np.float64]
@@ -62,11 +63,10 @@ class StackGeometry:
     direction: NDArray[np.float64]
     order: list[int]
     notes: list[str]
+    uneven: NDArray[np.float64] | None = None
 
 
-def judge_stack(
-    planes: Sequence[Plane], label: str, variants: str = "", remedy: str = KEEP_ONE
-) -> StackGeometry:
+def judge_stack(planes: Sequence[Plane], label: str, *, resample: bool = False) -> StackGeometry:
     """Sort planes along their normal and find the one regular grid they lie on.
 
     Parameters
@@ -75,11 +75,8 @@ def judge_stack(
         Two or more planes, in any order.
     label : str
         How to name the stack in an error, such as "series 4 (CT)".
-    variants : str, optional
-        What differs between the planes beside the position, for the error about slices that
-        share one position.
-    remedy : str, optional
-        What to do about planes that share one position.
+    resample : bool, optional
+        Whether uneven planes are allowed, because they will be resampled.
 
     Returns
     -------
@@ -91,16 +88,22 @@ def judge_stack(
     VolumeReadError
         If orientations are mixed, or positions are shared, uneven or not along a line.
     """
-    rows, columns = _axes(planes, label)
+    rows, columns = plane_axes(planes, label)
     spacing = _pixel_spacing(planes, label)
     normal = np.cross(columns, rows)
     positions = np.array([plane.position for plane in planes], dtype=np.float64)
     order = np.argsort(positions @ normal, kind="stable")
     positions = positions[order]
-    heights = positions @ normal
-    what = f" and differ in {variants}" if variants else ""
-    _check_distinct(heights, label, what, remedy)
-    _check_even(heights, label)
+    _check_distinct(positions @ normal, label)
+    noted: list[str] = []
+    uneven = None
+    try:
+        _check_even(positions @ normal, label)
+        noted = _deviation_notes(positions, normal, min(spacing), label)
+    except VolumeReadError:
+        if not resample:
+            raise
+        uneven = positions
     mean_step = (positions[-1] - positions[0]) / (len(positions) - 1)
     step = float(np.linalg.norm(mean_step))
     return StackGeometry(
@@ -108,12 +111,28 @@ def judge_stack(
         spacing=np.array([spacing[1], spacing[0], step]),
         direction=np.column_stack([columns, rows, mean_step / step]),
         order=[int(index) for index in order],
-        notes=_deviation_notes(positions, normal, min(spacing), label),
+        notes=noted,
+        uneven=uneven,
     )
 
 
-def _axes(planes: Sequence[Plane], label: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the unit vectors of growing row index and of growing column index."""
+def heights_of(planes: Sequence[Plane]) -> NDArray[np.float64]:
+    """Return the position of each plane along the normal of the first, in mm."""
+    columns, rows = np.reshape(planes[0].orientation, (2, 3))
+    positions = np.array([plane.position for plane in planes], dtype=np.float64)
+    return positions @ np.cross(columns, rows)
+
+
+def plane_axes(
+    planes: Sequence[Plane], label: str
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the unit vectors of growing row index and of growing column index.
+
+    Raises
+    ------
+    VolumeReadError
+        If the planes have different orientations, or an orientation is none.
+    """
     orientations = np.array([plane.orientation for plane in planes], dtype=np.float64)
     if not np.allclose(orientations, orientations[0], rtol=0.0, atol=ORIENTATION_TOLERANCE):
         raise VolumeReadError(_mixed_orientations(orientations, label))
@@ -134,7 +153,8 @@ def _mixed_orientations(orientations: NDArray[np.float64], label: str) -> str:
     found = ", ".join(f"{count} {name}" for name, count in counts.items())
     return (
         f"{label}: the slices have different orientations ({found}), which is no single volume "
-        "but may be a localiser; choose another series or keep one orientation in the folder."
+        "but may be a localiser; choose another series with series=..., or give "
+        "ignore='orientations' to keep the most frequent one."
     )
 
 
@@ -143,26 +163,24 @@ def _pixel_spacing(planes: Sequence[Plane], label: str) -> NDArray[np.float64]:
     if not np.allclose(spacings, spacings[0], rtol=1e-4, atol=0.0):
         raise VolumeReadError(
             f"{label}: the pixel spacing differs between the slices, but one volume needs the "
-            "same spacing in each; export the slices of one reconstruction."
+            "same spacing in each; give ignore='sizes' to keep the most frequent one, or export "
+            "the slices of one reconstruction."
         )
     return spacings[0]
 
 
-def _check_distinct(heights: NDArray[np.float64], label: str, what: str, remedy: str) -> None:
-    starts = np.concatenate([[True], np.diff(heights) > SAME_POSITION_MM])
-    counts = np.diff(np.append(np.flatnonzero(starts), len(heights)))
-    if counts.max() == 1:
+def _check_distinct(heights: NDArray[np.float64], label: str) -> None:
+    same = np.flatnonzero(np.diff(heights) <= SAME_POSITION_MM)
+    if not len(same):
         return
-    if len(counts) > 1 and counts.min() == counts.max():
-        raise VolumeReadError(
-            f"{label}: a 4-D image with {counts[0]} volumes of {len(counts)} slices each, which "
-            f"share their positions{what}; {remedy}."
-        )
-    first = int(np.argmax(counts > 1))
+    first = heights[same[0]]
+    count = int(np.sum(np.abs(heights - first) <= SAME_POSITION_MM))
+    place = int(np.sum(np.diff(heights[: same[0] + 1]) > SAME_POSITION_MM)) + 1
+    distinct = int(np.sum(np.diff(heights) > SAME_POSITION_MM)) + 1
     raise VolumeReadError(
-        f"{label}: {counts[first]} slices lie at one position (slice {first + 1} of {len(counts)}, "
-        f"{heights[np.flatnonzero(starts)[first]]:.2f} mm){what}, but a volume has one slice "
-        f"at each; {remedy}."
+        f"{label}: {count} slices lie at one position (slice {place} of {distinct}, "
+        f"{first:.2f} mm), but a volume has one slice at each; give ignore='duplicates' to keep "
+        "the first of them."
     )
 
 
@@ -179,7 +197,8 @@ def _check_even(heights: NDArray[np.float64], label: str) -> None:
     raise VolumeReadError(
         f"{label}: {cause} between slice {worst + 1} and slice {worst + 2} of {len(heights)}: the "
         f"step there is {steps[worst]:.3f} mm where {usual:.3f} mm is usual, and steps may differ "
-        f"by {allowed:.3f} mm; export the complete series again."
+        f"by {allowed:.3f} mm; give resample=True to interpolate at even steps, or export the "
+        "complete series again."
     )
 
 
@@ -197,7 +216,8 @@ def _deviation_notes(
         raise VolumeReadError(
             f"{label}: the slices do not lie on one straight line with an even step: slice "
             f"{worst + 1} of {len(positions)} is {np.linalg.norm(off[worst]):.3f} mm off, and half "
-            "a voxel is allowed; export the original series or resample it to an even step."
+            "a voxel is allowed; give resample=True to interpolate at even steps, or export the "
+            "original series."
         )
     largest = float(np.linalg.norm(off, axis=1).max())
     if largest <= STEP_TOLERANCE_MM:

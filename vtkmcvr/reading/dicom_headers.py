@@ -2,30 +2,36 @@
 
 from __future__ import annotations
 
-import math
-import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from .dicom_geometry import Plane
+from .dicom_quiet import quiet_pydicom
+from .dicom_tags import RawHeader, floats_of, integer_of, text_of, value_of
 from .errors import VolumeReadError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
-VARIANT_TAGS = {
-    "ImageType": "image type",
-    "AcquisitionNumber": "acquisition number",
-    "EchoTime": "echo time",
-    "TriggerTime": "trigger time",
-    "TemporalPositionIdentifier": "temporal position",
-    "DiffusionBValue": "b-value",
+    from .dicom_geometry import Plane
+
+# What may tell slices at one position apart: attribute of a file, then of a frame.
+TRAITS = {
+    "image type": ("ImageType", "FrameType"),
+    "echo time": ("EchoTime", "EffectiveEchoTime"),
+    "b-value": ("DiffusionBValue", "DiffusionBValue"),
+    "temporal position": ("TemporalPositionIdentifier", "TemporalPositionIndex"),
+    "acquisition number": ("AcquisitionNumber", ""),
+    "trigger time": ("TriggerTime", "NominalCardiacTriggerDelayTime"),
+    "frame time": ("FrameReferenceTime", ""),
+    "acquisition time": ("AcquisitionTime", ""),
+    "instance number": ("InstanceNumber", ""),
 }
 HEADER_TAGS = [
     "SOPInstanceUID",
     "SeriesInstanceUID",
     "SeriesNumber",
+    "SeriesDescription",
     "Modality",
     "Rows",
     "Columns",
@@ -37,43 +43,78 @@ HEADER_TAGS = [
     "RescaleIntercept",
     "RescaleType",
     "Units",
+    "BitsAllocated",
     "BitsStored",
     "PixelRepresentation",
     "SamplesPerPixel",
+    "PlanarConfiguration",
     "PhotometricInterpretation",
-    *VARIANT_TAGS,
+    "PixelPaddingValue",
+    "PixelPaddingRangeLimit",
+    "GridFrameOffsetVector",
+    "DoseGridScaling",
+    "DoseUnits",
+    "ModalityLUTSequence",
+    *(tag for tag, _ in TRAITS.values()),
 ]
 
 
 @dataclass(frozen=True)
-class SliceHeader:
-    """What the reader needs to know about one DICOM image file."""
+class PixelFormat:
+    """How the pixels of a file are stored."""
+
+    allocated: int
+    stored: int
+    signed: bool
+    samples: int
+    planar: bool
+    photometric: str
+
+
+@dataclass(frozen=True)
+class FileHeader:
+    """What the reader needs to know about one DICOM image file.
+
+    `pixel_offset` is where the pixel data element begins; `description` may hold anything, so it
+    is shown only to those who ask for it.
+    """
 
     path: Path
     storage_class: str
+    syntax: str
+    pixel_offset: int
     instance_uid: str
     series_uid: str
     series_number: int | None
+    description: str = field(repr=False)
     modality: str
     rows: int
     columns: int
     frames: int
+    pixels: PixelFormat
+    unit: str
+    padding: tuple[int, int] | None
+    has_lookup_table: bool
+
+
+@dataclass(frozen=True)
+class Frame:
+    """One slice: a file, or a frame of a multi-frame file.
+
+    `traits` has one text per entry of `TRAITS`.
+    """
+
+    file: FileHeader
+    index: int
     plane: Plane | None
     rescale: tuple[float, float] | None
     rescale_type: str
-    unit: str
-    pixel_format: tuple[int, int, int]
-    photometric: str
-    variants: tuple[str, ...]
-
-    @property
-    def is_signed(self) -> bool:
-        """Whether stored pixels are signed."""
-        return self.pixel_format[1] == 1
+    traits: tuple[str, ...]
+    segment: int = 0
 
 
-def read_dataset(file: Path, tags: Sequence[str] | None = HEADER_TAGS) -> Any:
-    """Return the header of a DICOM file as a pydicom dataset, or None if it is not DICOM.
+def read_dataset(file: Path, tags: Sequence[str] | None = None) -> tuple[Any, int]:
+    """Return the header of a DICOM file and where its pixel data element begins.
 
     Parameters
     ----------
@@ -82,6 +123,13 @@ def read_dataset(file: Path, tags: Sequence[str] | None = HEADER_TAGS) -> Any:
     tags : sequence of str or None
         Keywords of the attributes to keep; None keeps all.
 
+    Returns
+    -------
+    dataset : pydicom.Dataset or None
+        None if the file is not DICOM.
+    offset : int
+        In bytes from the beginning of the file.
+
     Raises
     ------
     VolumeReadError
@@ -89,115 +137,83 @@ def read_dataset(file: Path, tags: Sequence[str] | None = HEADER_TAGS) -> Any:
     """
     import pydicom
 
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        try:
-            return pydicom.dcmread(
-                file, stop_before_pixels=True, specific_tags=None if tags is None else list(tags)
+    try:
+        with quiet_pydicom(), file.open("rb") as stream:
+            dataset = pydicom.dcmread(
+                stream, stop_before_pixels=True, specific_tags=None if tags is None else [*tags]
             )
-        except pydicom.errors.InvalidDicomError:
-            return None
-        except OSError:
-            raise
-        except Exception:
-            # pydicom raises many kinds of error, and its texts may quote patient attributes.
-            raise VolumeReadError(
-                f"{file}: the DICOM header is damaged; copy or export the file again."
-            ) from None
+            return dataset, stream.tell()
+    except pydicom.errors.InvalidDicomError:
+        return None, 0
+    except OSError:
+        raise
+    except Exception:
+        # pydicom raises many kinds of error, and its texts may quote patient attributes.
+        raise VolumeReadError(
+            f"{file}: the DICOM header is damaged; copy or export the file again."
+        ) from None
 
 
-def header_from_dataset(file: Path, dataset: Any) -> SliceHeader | None:
+def header_from_dataset(
+    file: Path, dataset: Any, raw: RawHeader, offset: int
+) -> FileHeader | None:
     """Return the facts about an image file, or None if the file holds no image."""
-    rows, columns = _integer(dataset, "Rows"), _integer(dataset, "Columns")
+    rows, columns = integer_of(raw, "Rows"), integer_of(raw, "Columns")
     if not rows or not columns:
         return None
-    return SliceHeader(
+    preamble = RawHeader(dataset.file_meta)
+    return FileHeader(
         path=file,
-        storage_class=storage_class(dataset),
-        instance_uid=text_of(dataset, "SOPInstanceUID"),
-        series_uid=text_of(dataset, "SeriesInstanceUID"),
-        series_number=_integer(dataset, "SeriesNumber"),
-        modality=text_of(dataset, "Modality"),
+        storage_class=text_of(preamble, "MediaStorageSOPClassUID"),
+        syntax=text_of(preamble, "TransferSyntaxUID"),
+        pixel_offset=offset,
+        instance_uid=text_of(raw, "SOPInstanceUID"),
+        series_uid=text_of(raw, "SeriesInstanceUID"),
+        series_number=integer_of(raw, "SeriesNumber"),
+        description=text_of(raw, "SeriesDescription"),
+        modality=text_of(raw, "Modality"),
         rows=rows,
         columns=columns,
-        frames=_integer(dataset, "NumberOfFrames") or 1,
-        plane=plane_from(dataset, dataset, dataset),
-        rescale=rescale_from(dataset),
-        rescale_type=text_of(dataset, "RescaleType"),
-        unit=text_of(dataset, "Units"),
-        pixel_format=_pixel_format(dataset),
+        frames=integer_of(raw, "NumberOfFrames") or 1,
+        pixels=_pixel_format(raw),
+        unit=text_of(raw, "Units") or text_of(raw, "DoseUnits"),
+        padding=_padding(raw),
+        has_lookup_table=bool(value_of(raw, "ModalityLUTSequence")),
+    )
+
+
+def _pixel_format(dataset: Any) -> PixelFormat:
+    allocated = integer_of(dataset, "BitsAllocated") or 16
+    stored = integer_of(dataset, "BitsStored") or allocated
+    return PixelFormat(
+        allocated=allocated,
+        stored=min(stored, allocated),
+        signed=integer_of(dataset, "PixelRepresentation") == 1,
+        samples=integer_of(dataset, "SamplesPerPixel") or 1,
+        planar=integer_of(dataset, "PlanarConfiguration") == 1,
         photometric=text_of(dataset, "PhotometricInterpretation"),
-        variants=tuple(text_of(dataset, tag) for tag in VARIANT_TAGS),
     )
 
 
-def _pixel_format(dataset: Any) -> tuple[int, int, int]:
-    return (
-        _integer(dataset, "BitsStored") or 0,
-        _integer(dataset, "PixelRepresentation") or 0,
-        _integer(dataset, "SamplesPerPixel") or 1,
-    )
-
-
-def plane_from(position: Any, orientation: Any, measures: Any) -> Plane | None:
-    """Return the image plane from the datasets that hold its three attributes, if all are there."""
-    parts = (
-        _floats(position, "ImagePositionPatient", 3),
-        _floats(orientation, "ImageOrientationPatient", 6),
-        _floats(measures, "PixelSpacing", 2),
-    )
-    return Plane(*parts) if all(parts) else None
+def _padding(dataset: Any) -> tuple[int, int] | None:
+    first = integer_of(dataset, "PixelPaddingValue")
+    if first is None:
+        return None
+    last = integer_of(dataset, "PixelPaddingRangeLimit")
+    return first, first if last is None else last
 
 
 def rescale_from(dataset: Any) -> tuple[float, float] | None:
     """Return rescale slope and intercept, or None where the dataset has none."""
-    slope = _floats(dataset, "RescaleSlope", 1)
-    intercept = _floats(dataset, "RescaleIntercept", 1)
+    slope = floats_of(dataset, "RescaleSlope", 1)
+    intercept = floats_of(dataset, "RescaleIntercept", 1)
+    if not slope:
+        # An RT dose has a factor of its own kind.
+        slope, intercept = floats_of(dataset, "DoseGridScaling", 1), (0.0,)
     return (slope[0], intercept[0]) if slope and intercept else None
-
-
-def varying(headers: Sequence[SliceHeader]) -> str:
-    """Name the attributes that tell several slices at one position apart."""
-    columns = zip(*(header.variants for header in headers), strict=True)
-    names = zip(VARIANT_TAGS.values(), columns, strict=True)
-    return " and ".join(name for name, values in names if len(set(values)) > 1)
-
-
-def value_of(dataset: Any, tag: str) -> Any:
-    """Return the value of an attribute, or None if it is absent or makes no sense."""
-    if dataset is None:
-        return None
-    with warnings.catch_warnings():
-        # pydicom decodes here, and warns about oddities that do not matter to the volume.
-        warnings.simplefilter("ignore")
-        try:
-            return dataset.get(tag)
-        except Exception:
-            return None
 
 
 def storage_class(dataset: Any) -> str:
     """Return the kind of object that the file says it stores."""
-    return text_of(dataset.file_meta, "MediaStorageSOPClassUID")
+    return text_of(RawHeader(dataset.file_meta), "MediaStorageSOPClassUID")
 
-
-def text_of(dataset: Any, tag: str) -> str:
-    """Return an attribute as text, empty if it is absent or makes no sense."""
-    value = value_of(dataset, tag)
-    return "" if value is None else str(value).strip()
-
-
-def _integer(dataset: Any, tag: str) -> int | None:
-    try:
-        return int(text_of(dataset, tag))
-    except ValueError:
-        return None
-
-
-def _floats(dataset: Any, tag: str, count: int) -> tuple[float, ...]:
-    value = value_of(dataset, tag)
-    try:
-        numbers = [float(value)] if count == 1 else [float(part) for part in value]
-    except (TypeError, ValueError):
-        return ()
-    return tuple(numbers) if len(numbers) == count and all(map(math.isfinite, numbers)) else ()

@@ -33,7 +33,7 @@ def header_errors(source: Path) -> Iterator[None]:
         yield
     except VolumeReadError:
         raise
-    except (ValueError, TypeError, OverflowError, struct.error) as error:
+    except (ValueError, TypeError, LookupError, OverflowError, struct.error) as error:
         raise VolumeReadError(
             f"{source}: the header is damaged; copy or export the file again."
         ) from error

@@ -14,9 +14,11 @@ if TYPE_CHECKING:
 
     from vtkmodules.vtkCommonDataModel import vtkImageData
 
+    from .options import ReadOptions
     from .volume import LoadedVolume
 
 VALUES_NAME = "values"
+PLACE = ("spacing", "origin", "direction")
 
 
 def to_image(source: Path, volume: LoadedVolume) -> vtkImageData:
@@ -42,5 +44,25 @@ def to_image(source: Path, volume: LoadedVolume) -> vtkImageData:
     image.SetOrigin(*volume.origin)
     image.SetDirectionMatrix(volume.direction.ravel())
     image.GetPointData().SetScalars(array)
-    record_facts(image, volume.notes + volume_notes(volume), volume.modality, volume.units)
+    noted = volume.notes + volume_notes(volume)
+    record_facts(image, noted, volume.modality, volume.units, volume.segments)
     return image
+
+
+def place_volume(volume: LoadedVolume, options: ReadOptions) -> None:
+    """Give a volume the place that the caller wants."""
+    for name in PLACE:
+        given = getattr(options, name)
+        if given is not None:
+            setattr(volume, name, given)
+            volume.notes.append(f"{name} given by the caller, not by the file")
+
+
+def place_image(image: vtkImageData, options: ReadOptions) -> None:
+    """Give an image the place that the caller wants."""
+    if options.spacing is not None:
+        image.SetSpacing(*options.spacing)
+    if options.origin is not None:
+        image.SetOrigin(*options.origin)
+    if options.direction is not None:
+        image.SetDirectionMatrix(options.direction.ravel())

@@ -5,15 +5,11 @@ from __future__ import annotations
 import contextlib
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from .compact import compact_values
-from .errors import VolumeReadError
-from .volume import LoadedVolume, check_dimension
+from .volume import LoadedVolume
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from pathlib import Path
+
 
 
 @contextlib.contextmanager
@@ -29,41 +25,12 @@ def quiet_itk() -> Iterator[Any]:
         SimpleITK.ProcessObject_SetGlobalWarningDisplay(before)
 
 
-def read_with_itk(source: Path, image_io: str, kind: str) -> LoadedVolume:
-    """Read one file through the named ITK image reader.
-
-    Raises
-    ------
-    VolumeReadError
-        If the file is damaged or not 3-D.
-    """
-    with quiet_itk() as sitk:
-        reader = sitk.ImageFileReader()
-        reader.SetImageIO(image_io)
-        reader.SetFileName(str(source))
-        try:
-            reader.ReadImageInformation()
-            check_dimension(source, reader.GetSize())
-            image = reader.Execute()
-        except RuntimeError as error:
-            raise VolumeReadError(
-                f"{source}: the {kind} data cannot be read: the file is damaged, truncated or of "
-                "an unsupported variant; copy or export it again."
-            ) from error
-    return volume_from_itk(image, [f"read as {kind}"])
-
-
-def volume_from_itk(image: Any, noted: list[str]) -> LoadedVolume:
-    """Convert a SimpleITK image to voxels and geometry, in a compact type."""
+def image_from_volume(volume: LoadedVolume) -> Any:
+    """Return a volume as a SimpleITK image."""
     import SimpleITK
 
-    while image.GetDimension() > 3:
-        image = image[(slice(None),) * (image.GetDimension() - 1) + (0,)]
-    values = compact_values(SimpleITK.GetArrayViewFromImage(image), noted)
-    return LoadedVolume(
-        values=values,
-        spacing=np.array(image.GetSpacing(), dtype=np.float64),
-        origin=np.array(image.GetOrigin(), dtype=np.float64),
-        direction=np.array(image.GetDirection(), dtype=np.float64).reshape(3, 3),
-        notes=noted,
-    )
+    image = SimpleITK.GetImageFromArray(volume.values, isVector=volume.values.ndim == 4)
+    image.SetSpacing([float(x) for x in volume.spacing])
+    image.SetOrigin([float(x) for x in volume.origin])
+    image.SetDirection([float(x) for x in volume.direction.ravel()])
+    return image

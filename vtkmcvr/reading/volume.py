@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..volume_info import count_nonfinite
+from ..volume_info import Segment, count_nonfinite
 from .errors import fail
 
 if TYPE_CHECKING:
@@ -35,6 +35,8 @@ class LoadedVolume:
         What the reader noticed.
     modality, units : str
         DICOM modality and unit of the values, empty where unknown.
+    segments : list of Segment
+        What the values of a label map mean; empty for other volumes.
     """
 
     values: NDArray[Any]
@@ -44,25 +46,19 @@ class LoadedVolume:
     notes: list[str] = field(default_factory=list)
     modality: str = ""
     units: str = ""
+    segments: list[Segment] = field(default_factory=list)
 
 
 def check_dimension(source: Path, size: Sequence[int]) -> None:
-    """Refuse an image with more or fewer than three dimensions; `size` runs from i on.
+    """Refuse an image that is flat along an axis; `size` runs from i on.
 
     Raises
     ------
     VolumeReadError
-        If it is 4-D, or has fewer than 2 voxels along an axis.
+        If it has fewer than 3 axes, or fewer than 2 voxels along one.
     """
-    if len(size) > 3 and int(np.prod(size[3:])) > 1:
-        fail(source, four_dimensional(int(np.prod(size[3:]))))
     if len(size) < 3 or min(size[:3]) < 2:
         fail(source, _too_flat(size[:3]))
-
-
-def four_dimensional(volumes: int) -> str:
-    """Say why several volumes in one file are refused."""
-    return f"a 4-D image with {volumes} volumes; save the one to show as a 3-D file"
 
 
 def _too_flat(size: Sequence[int]) -> str:

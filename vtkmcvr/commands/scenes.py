@@ -1,0 +1,46 @@
+"""The scene that the command line describes."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from .camera_options import camera_options
+
+
+def demo_volume() -> Any:
+    """The synthetic CT head."""
+    from ..phantom import head_phantom
+    from ..scene import Volume
+
+    return Volume.from_grid(*head_phantom(192))
+
+
+def flipped(data: Any, axes: str | None) -> Any:
+    """The volume with some axes backwards."""
+    if axes is None:
+        return data
+    from ..scene import Volume
+    from ..vtk_scene import volume_of
+
+    return (data if isinstance(data, Volume) else volume_of(data)).flipped(axes)
+
+
+def scene_options(data: Any, args: argparse.Namespace) -> dict[str, Any]:
+    """Arguments as options of `vtkmcvr.scene_of`."""
+    from ..front import View
+
+    options: dict[str, Any] = {
+        "preset": args.preset,
+        "size": args.size,
+        "shift": args.shift,
+        "view": View(args.view, args.azimuth, args.elevation, args.roll, args.zoom),
+    }
+    if getattr(args, "aovs", False) or getattr(args, "denoise", None) == "oidn":
+        options["aovs"] = ("albedo", "normal")
+    if args.environment:
+        from ..environment_files import read_environment
+        from ..lights import EnvironmentMap
+
+        options["lights"] = [EnvironmentMap(read_environment(args.environment))]
+    return camera_options(data, options, args)

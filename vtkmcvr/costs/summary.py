@@ -1,0 +1,134 @@
+"""A study in figures that people ask for: seconds to 10 % and to 1 %, what a second gives."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+TARGETS = (0.1, 0.01)
+
+
+@dataclass(frozen=True)
+class Row:
+    """Summary of one variant.
+
+    Attributes
+    ----------
+    group, name, kind : str
+    seconds_per_sample : float
+        Of one sample for every pixel.
+    noise : float or None
+        NRMS noise of one sample per pixel; None where the variance is not known (denoisers).
+    floor : float
+        NRMS difference from the scene as it is that no sample removes: bias or another model.
+    floor_spread : float
+        95 % half width of `floor`; a floor below it is not distinguishable from 0.
+    last : dict
+        Last point measured.
+    """
+
+    group: str
+    name: str
+    kind: str
+    seconds_per_sample: float
+    noise: float | None
+    floor: float
+    floor_spread: float
+    last: dict[str, Any]
+
+    @property
+    def biased(self) -> bool:
+        """Whether the difference from the scene as it is exceeds its uncertainty."""
+        return self.floor > self.floor_spread
+
+    def seconds_to(self, target: float) -> float | None:
+        """Seconds until noise is down to an NRMS of `target`; None where the noise is unknown."""
+        if self.noise is None:
+            return None
+        return self.seconds_per_sample * (self.noise / target) ** 2
+
+    def nrms_after(self, seconds: float) -> float | None:
+        """Noise after a time; None where it is unknown."""
+        if self.noise is None:
+            return None
+        return self.noise / math.sqrt(seconds / self.seconds_per_sample)
+
+
+def rows(results: dict[str, Any]) -> list[Row]:
+    """Summaries of all variants, the scene as it is first."""
+    return [row(entry) for entry in results["measured"].values()]
+
+
+def row(entry: dict[str, Any]) -> Row:
+    """Summary of a variant's points."""
+    last = entry["points"][-1]
+    noise = floor = None
+    if last["estimated"] is not None:
+        noise = last["estimated"] * math.sqrt(last["samples"])
+        floor = math.sqrt(max(last["measured"] ** 2 - last["estimated"] ** 2, 0.0))
+    # d floor = measured / floor d measured, where the floor is above its own uncertainty
+    spread = math.sqrt(max((last["measured"] + last["spread"]) ** 2 - last["measured"] ** 2, 0.0))
+    return Row(
+        entry["group"], entry["name"], entry["kind"], last["seconds"] / last["samples"], noise,
+        last["measured"] if floor is None else floor, spread, last,
+    )  # fmt: skip
+
+
+def seconds(x: float | None) -> str:
+    """Duration as people write it."""
+    if x is None:
+        return "–"
+    if x < 1:
+        return f"{x * 1000:.0f} ms"
+    if x < 100:
+        return f"{x:.1f} s"
+    return f"{x / 60:.0f} min" if x < 6000 else f"{x / 3600:.1f} h"
+
+
+def percent(x: float | None) -> str:
+    """Error as people write it."""
+    return "–" if x is None else f"{x:.1%}" if x >= 0.01 else f"{x:.2%}"
+
+
+def markdown(results: dict[str, Any]) -> str:
+    """Answers first, then one table for each group."""
+    found = rows(results)
+    base = found[0]
+    width, height = results["size"]
+    where = results["machine"]
+    lines = [
+        f"{width} x {height} pixels on {results['threads']} threads, {where['processor']}. "
+        f"Reference: {results['reference']['samples']} samples, its own error "
+        f"{percent(results['reference']['nrms'])}.",
+        "",
+        f"- An error of 10 % costs {seconds(base.seconds_to(0.1))}, "
+        f"1 % costs {seconds(base.seconds_to(0.01))}.",
+        f"- One second gives an error of {percent(base.nrms_after(1.0))}.",
+        "",
+    ]
+    for group in dict.fromkeys(row.group for row in found):
+        lines += _table(group, [row for row in found if row.group == group], base)
+    if results["left_out"]:
+        lines += ["Not measured, the time was over: " + "; ".join(results["left_out"]) + ".", ""]
+    return "\n".join(lines)
+
+
+def _table(group: str, members: list[Row], base: Row) -> list[str]:
+    lines = [
+        f"### {group}",
+        "",
+        "| | time per sample | to 10 % | to 1 % | time at equal error | difference left |",
+        "|---|---|---|---|---|---|",
+    ]
+    for one in members:
+        equal = one.seconds_to(0.01)
+        known = base.seconds_to(0.01)
+        ratio = f"{equal / known:.2f} x" if equal is not None and known else "–"
+        left = f"{percent(one.floor)} ({one.kind})" if one.biased else "none seen"
+        lines.append(
+            f"| {one.name} | {one.seconds_per_sample / base.seconds_per_sample:.2f} x "
+            f"| {seconds(one.seconds_to(0.1))} | {seconds(one.seconds_to(0.01))} | {ratio} "
+            f"| {left} |"
+        )
+    return [*lines, ""]
