@@ -239,7 +239,9 @@ def many_events(folder):
 
 
 def many_forward_events(folder):
-    return write_scene(folder, [SUN, LAMP], albedo=0.99, max_depth=-1, phase={"g": 0.9})
+    # Less albedo than above: what absorbs nothing hardly shows where it is
+    light = {"type": "constant", "radiance": [1, 0.8, 0.5]}
+    return write_scene(folder, [light], albedo=0.6, max_depth=-1, phase={"g": 0.9})
 
 
 def three_events(folder):
