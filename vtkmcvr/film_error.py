@@ -40,16 +40,11 @@ def smooth_variance(film: packed.Film) -> Plane:
     of the pixels, on average, from eight samples on. Sums of squares and degrees of freedom are
     added up, so that pixels count by their samples.
     """
+    # Between batches where every pixel has two, otherwise between samples: an upper estimate
     n = film.count
-    if film.batches is None:
-        squares, freedom, size = film.m2, n - 1, n
-    else:
-        # Between batches where every pixel has two, otherwise between samples: an upper estimate
-        whole = _batches(film)
-        exact = bool((whole > 1).all())
-        squares = film.batches.m2 if exact else film.m2
-        freedom = whole - 1 if exact else n - 1
-        size = n / packed.BATCH if exact else n
+    squares, freedom, size = film.m2, n - 1, n.astype(np.float64)
+    if film.batches is not None and bool((_batches(film) > 1).all()):
+        squares, freedom, size = film.batches.m2, _batches(film) - 1, n / packed.BATCH
     pooled = _box_sum(np.maximum(freedom, 0).astype(np.float64))
     known = (pooled > 0)[..., None] & (n > 0)[..., None]
     spread = np.stack([_box_sum(squares[..., c]) for c in range(3)], axis=-1)

@@ -99,8 +99,12 @@ def _denoisers(scene: Scene) -> Iterator[Variant]:
     for method in denoise.available():
         yield Variant(
             "denoiser", method, BIAS, guided if method == "oidn" else scene,
-            lambda picture, m=method: picture.denoised(m).radiance,
+            _denoised_by(method),
         )  # fmt: skip
+
+
+def _denoised_by(method: str) -> Callable[[Picture], NDArray]:
+    return lambda picture: picture.denoised(method).radiance
 
 
 def _samplers(scene: Scene) -> Iterator[Variant]:
