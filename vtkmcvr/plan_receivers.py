@@ -43,9 +43,11 @@ def pack_receivers(
         np.array([r.exponent for r in ordered], f32),
         f32(max((_reach(r, centre) for r in ordered), default=0.0)),
     )
-    parts = [f"{len(shapes)} shapes"] if shapes else []
+    parts = [f"{len(shapes)} plane, box or sphere"] if len(shapes) == 1 else []
+    if len(shapes) > 1:
+        parts.append(f"{len(shapes)} planes, boxes or spheres")
     if mesh is not None:
-        parts.append(f"{len(mesh.triangles)} triangles in {len(meshes)} meshes")
+        parts.append(f"meshes of {len(mesh.triangles)} triangles")
     why = f"{' and '.join(parts)}, opaque: they receive light and cast shadows"
     return result, mesh, Effect(name, True, why)
 
