@@ -6,6 +6,7 @@ A mask is a label map too: what it leaves out has a row of zeros.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -130,7 +131,7 @@ def stacked_tables(rows: Rows, scene: Scene, voxels: Voxels) -> Tables:
         )
     finest = min(finest_step(transfer) for transfer in given)
     parts = [
-        build_tables(rows.transfers[0] if t is None else t, voxels, smallest, finest)
+        build_tables(scene.transfer if t is None else t, voxels, smallest, finest)
         for t in rows.transfers
     ]
     parts = [
@@ -138,11 +139,14 @@ def stacked_tables(rows: Rows, scene: Scene, voxels: Voxels) -> Tables:
         for part, t in zip(parts, rows.transfers, strict=True)
     ]
     surface = scene.surface or Surface()
-    constants = {
+    constants: dict[str, Any] = {
         "emission": (0.0, 0.0, 0.0),
         "specular": surface.specular,
         "exponent": surface.exponent,
         "g": constant_shape(scene.phase),
+    }
+    channels: dict[str, Any] = {
+        name: _channel(parts, name, value) for name, value in constants.items()
     }
     return replace(
         parts[0],
@@ -150,11 +154,11 @@ def stacked_tables(rows: Rows, scene: Scene, voxels: Voxels) -> Tables:
         colour=np.concatenate([part.colour for part in parts]),
         capped=any(part.capped for part in parts),
         too_fine=any(part.too_fine for part in parts),
-        **{name: _channel(parts, name, value) for name, value in constants.items()},
+        **channels,
     )
 
 
-def _channel(parts: list[Tables], name: str, constant: object) -> NDArray[np.float32] | None:
+def _channel(parts: list[Tables], name: str, constant: Any) -> NDArray[np.float32] | None:
     """One optional channel of all rows; None where none has it."""
     tables = [getattr(part, name) for part in parts]
     if all(table is None for table in tables):

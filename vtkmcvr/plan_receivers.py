@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import weakref
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +19,7 @@ PLANE, BOX, SPHERE = 0, 1, 2
 MOST_TRIANGLES = 2**29
 
 # Hierarchies by mesh, with the centre that they are relative to
-_built: weakref.WeakKeyDictionary[MeshReceiver, tuple[bytes, packed.Mesh]] = (
+_built: weakref.WeakKeyDictionary[MeshReceiver, tuple[bytes, packed.Mesh | None]] = (
     weakref.WeakKeyDictionary()
 )
 
@@ -92,11 +93,9 @@ def _mesh(meshes: list[MeshReceiver], centre: NDArray, first: int) -> packed.Mes
         return None
     if len(meshes) == 1:
         key = centre.tobytes() + first.to_bytes(4, "little")
-        known = _built.get(meshes[0])
-        if known is None or known[0] != key:
-            known = (key, _hierarchy(meshes, centre, first))
-            _built[meshes[0]] = known
-        return known[1]
+        if meshes[0] not in _built or _built[meshes[0]][0] != key:
+            _built[meshes[0]] = (key, _hierarchy(meshes, centre, first))
+        return _built[meshes[0]][1]
     return _hierarchy(meshes, centre, first)
 
 
@@ -113,7 +112,7 @@ def _hierarchy(meshes: list[MeshReceiver], centre: NDArray, first: int) -> packe
     corners = corners[solid].astype(f32)
     order, nodes = _build(corners)
     corners, solid = corners[order], solid[order]
-    return packed.Mesh(
+    return packed.Mesh(  # type: ignore[call-arg]
         *nodes,
         np.ascontiguousarray(corners.reshape(-1, 9), f32),
         np.ascontiguousarray(normals[solid] if len(normals) else normals, f32),
@@ -136,7 +135,7 @@ def _normals(meshes: list[MeshReceiver]) -> NDArray[np.float64]:
     return np.concatenate(parts)
 
 
-def _build(corners: NDArray[np.float32]) -> tuple[NDArray[np.int64], tuple]:
+def _build(corners: NDArray[np.float32]) -> tuple[NDArray[np.int64], tuple[Any, ...]]:
     """Order of the triangles, and the nodes over them."""
     n = len(corners)
     if n > MOST_TRIANGLES:

@@ -172,7 +172,7 @@ class MeshReceiver(Receiver):
 
 
 def _rows(name: str, value: object, dtype: type) -> NDArray:
-    rows = np.ascontiguousarray(value, dtype)
+    rows: NDArray = np.ascontiguousarray(value, dtype)
     if rows.ndim != 2 or rows.shape[1] != 3 or not len(rows):
         raise ValueError(f"mesh.{name} has shape (n, 3), got {rows.shape}")
     if not np.isfinite(rows).all():

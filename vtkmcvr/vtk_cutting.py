@@ -99,18 +99,18 @@ def _refuse_transform(function: Any) -> None:
 
 
 def _box_of(box: vtkBox, keep: str) -> Box:
-    low, high = np.empty(3), np.empty(3)
+    low, high = [0.0] * 3, [0.0] * 3
     box.GetXMin(low)
     box.GetXMax(high)
-    size = tuple((high - low).tolist())
-    centre = (low + high) / 2
+    size = tuple(np.subtract(high, low).tolist())
+    centre = np.add(low, high) / 2
     transform = box.GetTransform()
     if transform is None:
         return Box(tuple(centre.tolist()), size, keep=keep)
     # VTK's transform goes from the world to the box
     transform.Update()
     matrix = getattr(transform, "GetMatrix", lambda: np.zeros((4, 4)))()
-    m = np.linalg.pinv(matrix_of(matrix))
+    m = np.linalg.pinv(matrix_of(matrix)).astype(np.float64)
     if not np.allclose(m[:3, :3].T @ m[:3, :3], np.eye(3), atol=1e-6):
         raise ValueError("the transform of a vtkBox must be a rotation with a translation")
     return Box(tuple((m[:3, :3] @ centre + m[:3, 3]).tolist()), size, m[:3, :3], keep)

@@ -67,6 +67,8 @@ def cutting_options(data: Any, options: dict[str, Any], args: argparse.Namespace
 
 
 def _clip(text: str, volume: Volume) -> list[Shape]:
+    import numpy as np
+
     from ..cutting import Plane
 
     axis, _, span = text.partition("=")
@@ -77,10 +79,9 @@ def _clip(text: str, volume: Volume) -> list[Shape]:
     planes: list[Shape] = []
     for end_text, sign in ((start, 1.0), (end, -1.0)):
         if end_text:
-            origin, normal = [0.0] * 3, [0.0] * 3
-            origin[AXES.index(axis)] = _place(end_text, corners, text)
-            normal[AXES.index(axis)] = sign
-            planes.append(Plane(tuple(origin), tuple(normal)))
+            unit = np.eye(3)[AXES.index(axis)]
+            origin = unit * _place(end_text, corners, text)
+            planes.append(Plane(tuple(origin.tolist()), tuple((sign * unit).tolist())))
     return planes
 
 
@@ -145,7 +146,7 @@ def coloured_labels(values: NDArray, transfer: TransferFunction) -> Labels:
     from ..labels import Labels, whole_numbers
 
     painted = [
-        replace(transfer, colour=ColourCurve([(0.0, *colour)])) for colour in LABEL_COLOURS
+        replace(transfer, colour=ColourCurve(((0.0, *colour),))) for colour in LABEL_COLOURS
     ]
     found = [int(label) for label in np.unique(whole_numbers("labels", values)) if label]
     return Labels(values, {label: painted[i % len(painted)] for i, label in enumerate(found)})
@@ -159,12 +160,12 @@ def floor_under(scene: Any) -> PlaneReceiver:
     from ..receivers import PlaneReceiver
 
     up = np.array(scene.camera.frame[1])
-    axis = np.zeros(3)
-    axis[np.argmax(np.abs(up))] = np.sign(up[np.argmax(np.abs(up))])
+    largest = int(np.argmax(np.abs(up)))
+    axis = np.sign(up[largest]) * np.eye(3)[largest]
     corners = plan(scene).corners
     if not len(corners):
         corners = scene.volume.corners
     lowest = float((corners @ axis).min()) - 0.01 * scene.volume.radius
     middle = (corners.min(0) + corners.max(0)) / 2
     place = middle + (lowest - middle @ axis) * axis
-    return PlaneReceiver(tuple(place.tolist()), tuple(axis.tolist()), colour=0.45)
+    return PlaneReceiver(tuple(place.tolist()), tuple((axis + 0.0).tolist()), colour=0.45)
