@@ -14,6 +14,7 @@ from typing import Any
 from vtkmodules.vtkCommonCore import vtkCollection, vtkCommand, vtkObject
 from vtkmodules.vtkCommonExecutionModel import vtkAlgorithm
 from vtkmodules.vtkRenderingCore import vtkVolumeProperty
+from vtkmodules.vtkRenderingVolume import vtkVolumeMapper
 
 MODIFIED = vtkCommand.ModifiedEvent
 RGB_CHANNELS = 3
@@ -99,6 +100,19 @@ def _members(owner: vtkObject) -> Iterator[vtkObject]:
             yield owner.GetRGBTransferFunction(0)
         else:
             yield owner.GetGrayTransferFunction(0)
+    elif isinstance(owner, vtkVolumeMapper):
+        yield from _cuts(owner)
     elif isinstance(owner, vtkCollection):
         for index in range(owner.GetNumberOfItems()):
             yield owner.GetItemAsObject(index)
+
+
+def _cuts(mapper: vtkVolumeMapper) -> Iterator[vtkObject]:
+    """Clipping planes and mask of a mapper."""
+    planes = mapper.GetClippingPlanes()
+    if planes is not None:
+        yield planes
+        yield from _members(planes)
+    mask = getattr(mapper, "GetMaskInput", lambda: None)()
+    if mask is not None:
+        yield mask

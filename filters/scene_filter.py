@@ -6,12 +6,16 @@ import dataclasses
 from typing import Any
 
 from vtkmodules.vtkCommonCore import VTK_FLOAT
-from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkImageData
+from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkImageData, vtkPolyData
 from vtkmodules.vtkRenderingCore import vtkCamera, vtkLightCollection, vtkVolumeProperty
+from vtkmodules.vtkRenderingVolume import vtkVolumeMapper
 
 from vtkmcvr import checks
+from vtkmcvr.layers import Layer
 from vtkmcvr.lights import ConstantEnvironment, EnvironmentMap, Light
-from vtkmcvr.scene import Camera, Lens, PixelFilter, Scene, known_aovs
+from vtkmcvr.receivers import Receiver
+from vtkmcvr.scene import Camera, Lens, PixelFilter, Scene, Volume, known_aovs
+from vtkmcvr.vtk_cutting import MeshCache, clip_of, cropping_of, mask_of
 from vtkmcvr.vtk_lights import members
 from vtkmcvr.vtk_scene import (
     VolumeCache,
@@ -21,6 +25,7 @@ from vtkmcvr.vtk_scene import (
     lights_of,
     looks_of,
     phase_of,
+    refuse_mapper_features,
 )
 
 from .base import WHOLE_EXTENT, ImageFilter
@@ -36,6 +41,13 @@ def _film_size(value: Any) -> tuple[int, int]:
 
 def _lights(value: Any) -> Any:
     return value if isinstance(value, vtkLightCollection) else members(value)
+
+
+def _receivers(value: Any) -> tuple[Any, ...]:
+    found = (value,) if isinstance(value, vtkPolyData | Receiver) else tuple(value)
+    for item in found:
+        one_of("each receiver", vtkPolyData, Receiver)(item)
+    return found
 
 
 class SceneFilter(ImageFilter):
@@ -86,6 +98,15 @@ class SceneFilter(ImageFilter):
         None, optional(lambda v: checks.whole("max_scatterings", v, least=1)),
         'Most events of "multiple", >= 1. None: no limit.',
     )  # fmt: skip
+    mapper = Parameter(
+        None, optional(one_of("mapper", vtkVolumeMapper)),
+        "vtkVolumeMapper whose clipping planes, cropping regions and mask cut the volume, or None.",
+    )  # fmt: skip
+    receivers = Parameter(
+        (), _receivers,
+        "vtkPolyData, vtkmcvr.receivers.Receiver, or a sequence of them: opaque surfaces that "
+        "receive and cast shadows.",
+    )  # fmt: skip
     pixel_filter = Parameter(
         PixelFilter(), one_of("pixel_filter", PixelFilter), "Reconstruction filter of the film."
     )
@@ -96,6 +117,7 @@ class SceneFilter(ImageFilter):
 
     def __init__(self, **settings: Any) -> None:
         self._volumes = VolumeCache()
+        self._meshes = MeshCache()
         super().__init__(**{"volume_property": vtkVolumeProperty(), **settings})
 
     def RequestInformation(self, request: Any, inputs: Any, outputs: Any) -> int:
@@ -111,16 +133,12 @@ class SceneFilter(ImageFilter):
 
     def scene(self, image: vtkImageData) -> Scene:
         """Return the scene of an image; the same volume object while the image is unchanged."""
-        look, *others = looks_of(
+        look, *more = looks_of(
             image, self.volume_property, scalars=self.scalars,
             gradient_factor=self.gradient_factor, volume=self._volumes.volume,
         )  # fmt: skip
-        if others:
-            raise ValueError(
-                f"the image has {1 + len(others)} independent components; take one, or call "
-                "IndependentComponentsOff() for a scalar with colours"
-            )
         volume = look.volume
+        cuts = self._cuts(image, volume)
         width, height = self.film_size
         camera = self.camera or default_camera(volume, width / height)
         if isinstance(camera, vtkCamera):
@@ -139,7 +157,24 @@ class SceneFilter(ImageFilter):
             size=self.film_size,
             pixel_filter=self.pixel_filter,
             aovs=self.aovs,
+            receivers=self._meshes.receivers(self.receivers),
+            layers=tuple(
+                Layer(other.volume, other.transfer, other.surface, **cuts) for other in more
+            ),
+            **cuts,
         )
+
+    def _cuts(self, image: vtkImageData, volume: Volume) -> dict[str, Any]:
+        """Fields of a scene that the mapper gives."""
+        mapper = self.mapper
+        if mapper is None:
+            return {}
+        refuse_mapper_features(mapper)
+        mask, labels = mask_of(mapper, self.volume_property)
+        return {
+            "clip": clip_of(mapper), "crop": cropping_of(mapper, image, volume),
+            "mask": mask, "labels": labels,
+        }  # fmt: skip
 
     def _scene_lights(self, camera: Camera) -> tuple[Light, ...]:
         around: list[Light] = [ConstantEnvironment(self.ambient)] if any(self.ambient) else []

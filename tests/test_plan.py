@@ -15,6 +15,7 @@ from vtkmcvr.plan import plan
 from vtkmcvr.scene import Camera, Cone, HenyeyGreenstein, Lens, Stereo, Surface
 
 EFFECTS = {
+    "clipping", "cropping", "mask", "labels", "more volumes", "receivers",
     "medium", "colour by point", "gradient classification", "emission", "multiple scattering",
     "surface shading", "specular coat", "anisotropic phase", "constant environment",
     "gradient environment", "environment map", "area lights", "light textures",

@@ -9,8 +9,6 @@ from vtkmodules.util.numpy_support import numpy_to_vtk
 from vtkmodules.vtkCommonDataModel import (
     vtkImageData,
     vtkPiecewiseFunction,
-    vtkPlane,
-    vtkPlaneCollection,
     vtkPolyData,
     vtkRectilinearGrid,
 )
@@ -318,7 +316,6 @@ def gradient_opacity(volume_property):
     ("change", "message"),
     [
         (two_d, "vtkImageData with four components; call SetTransferFunction2D"),
-        (lambda p: p.SetLabelScalarOpacity(1, vtkPiecewiseFunction()), "has a label map"),
         (lambda p: p.SetScalarOpacity(vtkPiecewiseFunction()), "vtkPiecewiseFunction has no nodes"),
         (lambda p: p.GetRGBTransferFunction().IndexedLookupOn(), "indexed .* not supported yet"),
     ],
@@ -423,26 +420,11 @@ def test_cache_keeps_each_component_while_the_image_is_unchanged():
     assert cache.volume(image, component=0) is not first
 
 
-def clipped(mapper):
-    planes = vtkPlaneCollection()
-    planes.AddItem(vtkPlane())
-    mapper.SetClippingPlanes(planes)
-
-
-@pytest.mark.parametrize(
-    ("change", "feature"),
-    [
-        (lambda m: m.CroppingOn(), "cropping"),
-        (clipped, "clipping planes"),
-        (lambda m: m.SetMaskInput(image_with()), "a mask"),
-        (lambda m: m.SetBlendModeToMaximumIntensity(), "blend mode"),
-    ],
-)
-def test_mapper_features_are_refused_by_name(change, feature):
+def test_blend_modes_are_refused_by_name():
     mapper = vtkOpenGLGPUVolumeRayCastMapper()
     refuse_mapper_features(mapper)
-    change(mapper)
-    with pytest.raises(ValueError, match=feature):
+    mapper.SetBlendModeToMaximumIntensity()
+    with pytest.raises(ValueError, match="blend mode"):
         refuse_mapper_features(mapper)
 
 

@@ -49,6 +49,16 @@ _HOME = {
     "PixelFilter": "scene",
     "Curve": "curves",
     "ColourCurve": "curves",
+    "Plane": "cutting",
+    "Sphere": "cutting",
+    "Box": "cutting",
+    "Cropping": "cutting",
+    "Labels": "labels",
+    "Layer": "layers",
+    "PlaneReceiver": "receivers",
+    "BoxReceiver": "receivers",
+    "SphereReceiver": "receivers",
+    "MeshReceiver": "receivers",
     "ConstantEnvironment": "lights",
     "EnvironmentMap": "lights",
     "RectangleLight": "lights",
@@ -75,10 +85,13 @@ __all__ = ["__version__", *_HOME]
 if TYPE_CHECKING:
     from .costs.study import study
     from .curves import ColourCurve, Curve
+    from .cutting import Box, Cropping, Plane, Sphere
     from .denoised_picture import DenoisedPicture
     from .environment_files import read_environment
     from .focus import autofocus
     from .front import render, scene_of
+    from .labels import Labels
+    from .layers import Layer
     from .lights import (
         BoxLight,
         CameraLight,
@@ -102,6 +115,7 @@ if TYPE_CHECKING:
     from .picture import Display, Picture
     from .prediction import estimate
     from .readers import list_series, read, read_labels, time_steps
+    from .receivers import BoxReceiver, MeshReceiver, PlaneReceiver, SphereReceiver
     from .recipe_files import read_recipe
     from .rendering import render_scene
     from .replay import replay

@@ -92,15 +92,11 @@ def scene_of(
 def _framed(scene: Scene, view: View) -> Camera:
     """Camera on the part of the volume that the transfer function shows."""
     volume, (width, height) = scene.volume, scene.size
-    planned = plan(scene)
-    lo, hi = planned.packed.medium.active_lo, planned.packed.medium.active_hi
-    box = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], np.float64)
-    box = np.where(box > 0, hi, lo)
-    m = volume.index_to_world
+    corners = plan(scene).corners
     return view_camera(
         volume, view.view, azimuth=view.azimuth, elevation=view.elevation, roll=view.roll,
         zoom=view.zoom, aspect=width / height,
-        corners=None if planned.empty else box @ m[:3, :3].T + m[:3, 3],
+        corners=corners if len(corners) else None,
     )  # fmt: skip
 
 

@@ -6,21 +6,22 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from . import packed
 from .effects import Effect
 from .pack import f32
 from .plan_camera import pack_camera, pack_lens
 from .plan_lights import pack_lights
-from .plan_medium import pack_medium
 from .plan_phase import pack_phase
+from .plan_receivers import glossy, pack_receivers
 from .plan_sampling import pack_sobol, sampling_effect
-from .plan_surface import pack_normal_map, pack_surface
-from .plan_transfer import pack_transfer, transfer_effects
+from .plan_surface import pack_normal_map
 from .plan_transport import estimator_words, pack_marching, pack_scattering, scattering_effect
+from .plan_volume import PackedVolume, coat, pack_layers, pack_volume, packed_layer, shared_phase
 from .scene import Scene
-from .tables import DEEPEST_VOXEL, Tables, build_tables
-from .voxels import Voxels, voxels_of
+from .tables import DEEPEST_VOXEL, Tables
+from .voxels import Voxels
 
 # Transmittance below which Russian roulette may end a shadow ray; 1 would be delta tracking, which
 # takes 1.4 times as long at equal error on a CT head (tests/bench/bench_looks.py).
@@ -38,12 +39,15 @@ class Plan:
     effects : tuple of Effect
     notes : tuple of str
         What was changed or limited on the way, never silently.
+    corners : array (n, 3)
+        World corners of the boxes outside of which the volumes are empty.
     """
 
     scene: Scene
     packed: packed.Scene
     effects: tuple[Effect, ...]
     notes: tuple[str, ...]
+    corners: NDArray[np.float64]
 
     def explain(self) -> str:
         """Every effect, on or off, with its reason; then the notes."""
@@ -53,8 +57,8 @@ class Plan:
 
     @property
     def empty(self) -> bool:
-        """Whether nothing in the volume can scatter or absorb."""
-        return not bool((self.packed.medium.majorant > 0).any())
+        """Whether nothing in the volumes can scatter or absorb."""
+        return not len(self.corners)
 
 
 def plan(scene: Scene) -> Plan:
@@ -68,13 +72,15 @@ def plan(scene: Scene) -> Plan:
     -------
     Plan
     """
-    voxels = voxels_of(scene.volume)
-    tables = build_tables(scene.transfer, voxels, float(scene.volume.spacing.min()))
-    surface, gloss, surface_why, gloss_why = pack_surface(scene, voxels, tables)
-    transfer = pack_transfer(scene, voxels, tables, gloss is not None)
-    medium = pack_medium(scene, voxels, tables, transfer)
+    more, more_effect = pack_layers(scene)
+    volumes = [pack_volume(scene), *more]
+    centre = scene.volume.centre
+    receivers, mesh, receiver_effect = pack_receivers(scene.receivers, centre)
+    coated = any(v.gloss is not None for v in volumes) or glossy(receivers)
     lens, lens_why = pack_lens(scene.camera)
-    phase, phase_effect = pack_phase(scene.phase, tables.g)
+    volumes, shapes = shared_phase(scene, volumes)
+    first, *others = volumes
+    phase, phase_effect = pack_phase(scene.phase, shapes)
     scattering, marching = pack_scattering(scene), pack_marching(scene)
     lights = pack_lights(scene)
     lit = lights.any
@@ -83,19 +89,21 @@ def plan(scene: Scene) -> Plan:
     )
     ratio = packed.RatioTracking(f32(ROULETTE)) if shadows and scene.ratio_tracking else None
     result = packed.Scene(
-        medium, transfer, pack_camera(scene), lens, surface, gloss, phase, scattering, marching,
-        shadows, ratio,
+        first.medium, first.transfer, pack_camera(scene), lens, first.surface,
+        coat(first.gloss, coated), phase, scattering, marching, shadows, ratio,
         lights.ambient, lights.environment, lights.area_lights, lights.delta_lights, lights.tree,
         lights.choice,
         np.bool_(scene.environment_visible and bool(lights.ambient or lights.environment)),
         pack_normal_map(scene),
         pack_sobol(scene),
+        receivers, mesh,
+        tuple(packed_layer(v, centre, coated) for v in others) or None,
     )  # fmt: skip
     effects = (
-        _empty_space(scene, medium),
-        *transfer_effects(scene, transfer),
-        Effect("surface shading", surface is not None, surface_why),
-        Effect("specular coat", gloss is not None, gloss_why),
+        _empty_space(scene, first),
+        *first.effects,
+        more_effect,
+        receiver_effect,
         phase_effect,
         scattering_effect(scattering),
         *lights.effects,
@@ -105,13 +113,17 @@ def plan(scene: Scene) -> Plan:
         _aov_effect(scene),
         sampling_effect(result.sobol),
     )
-    return Plan(scene, result, effects, (*_notes(voxels, tables), *lights.notes))
+    corners = np.concatenate([v.corners for v in volumes])
+    notes = dict.fromkeys(note for v in volumes for note in _notes(v.voxels, v.tables))
+    return Plan(scene, result, effects, (*notes, *lights.notes), corners)
 
 
-def _empty_space(scene: Scene, medium: packed.Medium) -> Effect:
-    if bool((medium.majorant <= 0).all()):
-        return Effect("medium", False, "the transfer function makes the whole volume transparent")
-    return Effect("medium", True, estimator_words(scene, medium))
+def _empty_space(scene: Scene, volume: PackedVolume) -> Effect:
+    if volume.empty:
+        cuts = scene.clip or scene.crop or scene.mask is not None
+        who = "the transfer function and the cuts make" if cuts else "the transfer function makes"
+        return Effect("medium", False, f"{who} the whole volume transparent")
+    return Effect("medium", True, estimator_words(scene, volume.medium))
 
 
 def _shadow_effect(scene: Scene, lit: bool, ratio: packed.RatioTracking | None) -> Effect:

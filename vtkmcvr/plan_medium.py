@@ -7,8 +7,10 @@ from numpy.typing import NDArray
 
 from . import packed
 from .kernels.gradient_range import scale_majorants, table_majorants
+from .kernels.labels import label_majorants
 from .kernels.majorant import cell_majorants, mark_empty_cubes, range_maxima
 from .pack import f32, matrix, vector64
+from .plan_cutting import PackedCuts
 from .plan_surface import world_from_index_gradient
 from .scene import Scene
 from .tables import Tables
@@ -18,17 +20,19 @@ NOWHERE = -1e9
 
 
 def pack_medium(
-    scene: Scene, voxels: Voxels, tables: Tables, transfer: packed.Transfer
+    scene: Scene,
+    voxels: Voxels,
+    tables: Tables,
+    transfer: packed.Transfer,
+    cuts: PackedCuts,
+    labels: NDArray | None,
 ) -> packed.Medium:
-    """Voxels with the majorants of this transfer function; no voxel is read again."""
-    majorant = np.empty(voxels.cell_lowest.shape, f32)
-    cell_majorants(
-        voxels.cell_lowest, voxels.cell_highest, range_maxima(tables.sigma_t),
-        transfer.lowest, transfer.per_scalar, majorant,
-    )  # fmt: skip
+    """Voxels with the majorants of this transfer function; labels are read, no voxel is again."""
+    majorant = _majorants(voxels, tables, transfer, labels)
     _bound_by_gradient(scene, voxels, transfer, majorant)
     cell = float(voxels.cell)
     last = np.array(scene.volume.shape) - 1
+    cuts.empty_cells(majorant, voxels.cell, last)
     lo, hi = _active_box(majorant, voxels.cell, last)
     if scene.estimator == "woodcock":
         majorant, cell = np.full((1, 1, 1), majorant.max(), f32), float(last.max())
@@ -37,7 +41,24 @@ def pack_medium(
     return packed.Medium(
         voxels.values, majorant, f32(cell), f32(1.0 / cell),
         vector64(lo), vector64(hi), matrix(index_from_world),
+        cuts.clip, cuts.holes, cuts.regions, labels,
     )  # fmt: skip
+
+
+def _majorants(
+    voxels: Voxels, tables: Tables, transfer: packed.Transfer, labels: NDArray | None
+) -> NDArray[np.float32]:
+    majorant = np.empty(voxels.cell_lowest.shape, f32)
+    scalars = voxels.cell_lowest, voxels.cell_highest
+    maxima = range_maxima(tables.sigma_t)
+    if labels is None:
+        cell_majorants(*scalars, maxima, transfer.lowest, transfer.per_scalar, majorant)
+    else:
+        label_majorants(
+            *scalars, labels, voxels.cell, maxima, tables.entries, transfer.lowest,
+            transfer.per_scalar, majorant, 0, len(majorant),
+        )  # fmt: skip
+    return majorant
 
 
 def _bound_by_gradient(

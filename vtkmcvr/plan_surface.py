@@ -35,13 +35,13 @@ def pack_surface(
         return None, None, "gradient factor is 0: no gradients", no_gloss
     to_world = world_from_index_gradient(scene)
     largest = voxels.largest_gradient(to_world)
-    if largest == 0:
+    if largest == 0 and not scene.clip and scene.crop is None:
         return None, None, "the volume is constant: no gradients", no_gloss
     modulated = surface.mode == "hybrid" and surface.opacity_modulated
     result = packed.Surface(
         np.int32(SURFACE_MODES.index(surface.mode)),
         f32(min(tables.opacity_distance, EVERYWHERE) if modulated else EVERYWHERE),
-        matrix(to_world), f32(1 / largest),
+        matrix(to_world), f32(1 / largest if largest > 0 else 0),
         f32(25 * surface.gradient_factor**3), f32(surface.threshold),
     )  # fmt: skip
     gloss, why = _gloss(surface, tables)

@@ -32,6 +32,8 @@ def pack_transfer(scene: Scene, voxels: Voxels, tables: Tables, coated: bool) ->
         specular=varying(tables.specular) if coated else None,
         exponent=varying(tables.exponent) if coated else None,
         phase=varying(tables.g),
+        first=np.int32(0),
+        entries=np.int32(tables.entries),
     )
 
 

@@ -8,11 +8,17 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
+from numpy.typing import NDArray
+
 from . import checks
 from .camera import Camera, Lens, PixelFilter, Stereo, Vector
+from .cutting import Cropping, Shape
+from .labels import Labels
+from .layers import Layer, check_parts, layers
 from .lights import ConstantEnvironment, EnvironmentMap, GradientEnvironment, Light
 from .material import Surface, TransferFunction, TransferTable
 from .phases import Cone, HenyeyGreenstein, Isotropic, Phase, Rayleigh, Schlick
+from .receivers import Receiver, receivers
 from .volume import Volume
 
 __all__ = [
@@ -78,6 +84,18 @@ class Scene:
     sampler : {"sobol", "independent"}
         How the leading random numbers of a path are drawn: spread evenly over the samples of a
         pixel, in independent batches, or each on its own. Both are unbiased.
+    clip : sequence of Plane, Sphere or Box
+        What all of them keep is left of the volume; the rest is cut off, for shadows too.
+    crop : Cropping, optional
+        VTK's 27 cropping regions.
+    mask : array (k, j, i), optional
+        0 hides a voxel: points nearest to it are transparent.
+    labels : Labels, optional
+        Transfer functions by label.
+    receivers : sequence of PlaneReceiver, BoxReceiver, SphereReceiver or MeshReceiver
+        Opaque surfaces that receive and cast shadows.
+    layers : sequence of Layer
+        Further volumes; where they overlap, extinctions add.
     """
 
     volume: Volume
@@ -98,6 +116,12 @@ class Scene:
     pixel_filter: PixelFilter = field(default_factory=PixelFilter)
     aovs: tuple[str, ...] = ()
     sampler: str = "sobol"
+    clip: tuple[Shape, ...] = ()
+    crop: Cropping | None = None
+    mask: NDArray | None = None
+    labels: Labels | None = None
+    receivers: tuple[Receiver, ...] = ()
+    layers: tuple[Layer, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "lights", tuple(self.lights))
@@ -105,6 +129,9 @@ class Scene:
             if sum(isinstance(light, kind) for light in self.lights) > 1:
                 raise ValueError(f"a scene takes at most one {kind.__name__}")
         _check_transport(self)
+        check_parts(self)
+        object.__setattr__(self, "receivers", receivers(self.receivers))
+        object.__setattr__(self, "layers", layers(self.layers))
         checks.number("shadow_reach", self.shadow_reach, least=0.0, finite=False)
         checks.choice("light_sampling", self.light_sampling, ("mis", "light", "scatter"))
         object.__setattr__(self, "aovs", known_aovs(self.aovs))

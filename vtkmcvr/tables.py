@@ -40,6 +40,8 @@ class Tables:
         Whether extinction was cut off at `DEEPEST_VOXEL`.
     pitch : float
         Scalars between entries.
+    entries : int
+        Of one row; with labels, tables hold several rows one after another.
     too_fine : bool
         Whether nodes lie closer than two entries even in the largest table.
     """
@@ -54,6 +56,7 @@ class Tables:
     per_scalar: float
     capped: bool
     pitch: float
+    entries: int
     too_fine: bool
 
 
@@ -69,10 +72,18 @@ def table_entries(span: float, finest_step: float, integer: bool) -> int:
     return int(span) * per_unit + 1
 
 
-def build_tables(transfer: TransferFunction, voxels: Voxels, smallest_spacing: float) -> Tables:
-    """Sample the transfer function over the values of a volume."""
+def build_tables(
+    transfer: TransferFunction,
+    voxels: Voxels,
+    smallest_spacing: float,
+    finest: float | None = None,
+) -> Tables:
+    """Sample the transfer function over the values of a volume.
+
+    `finest` is the smallest distance of nodes that the table has to resolve; default: its own.
+    """
     span = voxels.highest - voxels.lowest
-    finest = finest_step(transfer)
+    finest = finest_step(transfer) if finest is None else finest
     n = table_entries(span, finest, voxels.integer)
     x = np.linspace(voxels.lowest, voxels.highest, n) + voxels.offset
     sigma_t, capped = limited(_densest(transfer, x, smallest_spacing), transfer, smallest_spacing)
@@ -91,6 +102,7 @@ def build_tables(transfer: TransferFunction, voxels: Voxels, smallest_spacing: f
         per_scalar=(n - 1) / span if span > 0 else 0.0,
         capped=capped,
         pitch=pitch,
+        entries=n,
         too_fine=bool(np.isfinite(finest) and finest < 2 * pitch),
     )
 

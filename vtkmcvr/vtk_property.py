@@ -48,7 +48,6 @@ def transfer_of(
     ValueError
         Where the property has what is not supported yet, or a function has no nodes.
     """
-    _refuse_unsupported(volume_property)
     unit_distance = volume_property.GetScalarOpacityUnitDistance(component)
     weight = volume_property.GetComponentWeight(component)
     if volume_property.GetTransferFunctionMode() == vtkVolumeProperty.TF_2D:
@@ -110,34 +109,19 @@ def phase_of(volume_property: vtkVolumeProperty) -> Phase:
 
 
 def refuse_mapper_features(mapper: vtkVolumeMapper) -> None:
-    """Raise a ValueError where a volume mapper cuts, masks or blends in a way not supported yet.
+    """Raise a ValueError where a volume mapper blends in a way not supported yet.
 
     Parameters
     ----------
     mapper : vtkVolumeMapper
         Of a vtkVolume that is to be rendered.
     """
-    planes = mapper.GetClippingPlanes()
     features = {
-        "cropping": (mapper.GetCropping(), "call CroppingOff()"),
-        "clipping planes": (
-            planes is not None and planes.GetNumberOfItems(), "call RemoveAllClippingPlanes()"
-        ),
-        "a mask": (
-            getattr(mapper, "GetMaskInput", lambda: None)() is not None, "call SetMaskInput(None)"
-        ),
         "a blend mode other than composite": (
             mapper.GetBlendMode() != COMPOSITE, "call SetBlendModeToComposite()"
         ),
     }  # fmt: skip
     _refuse(mapper.GetClassName(), features)
-
-
-def _refuse_unsupported(volume_property: vtkVolumeProperty) -> None:
-    features: dict[str, tuple[object, str]] = {
-        "a label map": (volume_property.GetNumberOfLabels() > 0, "remove the labels' functions"),
-    }  # fmt: skip
-    _refuse("the volume property", features)
 
 
 def _gradient_opacity(volume_property: vtkVolumeProperty, component: int) -> Curve | None:

@@ -6,6 +6,7 @@ import argparse
 from typing import Any
 
 from .camera_options import add_camera_options
+from .cutting import add_cutting_options
 from .inputs import add_input_options
 
 
@@ -32,6 +33,7 @@ def add_scene_options(parser: argparse.ArgumentParser, *, all_times: bool = Fals
     add("--shift", type=float, help="added to the values to get HU; default: detected")
     add("--environment", metavar="MAP", help="light by this .hdr or .exr panorama instead")
     add_camera_options(parser)
+    add_cutting_options(parser)
     add("--quiet", action="store_true", help="no progress and no report")
 
 

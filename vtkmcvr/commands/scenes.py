@@ -6,6 +6,7 @@ import argparse
 from typing import Any
 
 from .camera_options import camera_options
+from .cutting import cutting_options
 
 
 def demo_volume() -> Any:
@@ -43,4 +44,4 @@ def scene_options(data: Any, args: argparse.Namespace) -> dict[str, Any]:
         from ..lights import EnvironmentMap
 
         options["lights"] = [EnvironmentMap(read_environment(args.environment))]
-    return camera_options(data, options, args)
+    return cutting_options(data, camera_options(data, options, args), args)

@@ -9,10 +9,11 @@ import math
 
 import numpy as np
 
+from .cut import cut_face
 from .grid import INFINITE, gradient
 from .jit import device, glue
 from .rng import stratified, stratified_pair
-from .vec import BLACK, add, dot, from_basis, orthonormal_basis, scale, sub
+from .vec import BLACK, add, dot, from_basis, largest, orthonormal_basis, scale, sub
 from .warp import INVERSE_PI, TWO_PI, cosine_hemisphere
 
 f32 = np.float32
@@ -50,7 +51,7 @@ def surface_event(surface, medium, p, sigma_t, wo, rng):
 
     Returns (True or False, normal, rng); the normal is on the side of wo. No gradient is fetched
     where a bound, P_brdf <= alpha (1 - exp(-25 g^3)), already says no (HC-20); none exists without
-    `surface`.
+    `surface`. A cut face has the cut's normal and that bound, as the largest gradient has (HC-22).
     """
     if surface is None:
         return False, NO_NORMAL, rng
@@ -58,6 +59,9 @@ def surface_event(surface, medium, p, sigma_t, wo, rng):
     alpha = surface_opacity(surface, sigma_t)
     if xi >= surface_probability(surface, alpha, INFINITE):
         return False, NO_NORMAL, rng
+    on_face, face = cut_face(medium.clip, medium.holes, medium.regions, p, wo)
+    if on_face:
+        return True, face, rng
     g = gradient(medium.values, surface.world_from_index_gradient, p)
     magnitude = math.sqrt(dot(g, g))
     # Without a gradient there is no normal: the phase function takes over (HC-17); also for NaN
@@ -127,6 +131,12 @@ def sample_microfacet(gloss, u):
 
 
 @device
+def bare(gloss):
+    """Whether there is no coat after all: the surface is Lambert's."""
+    return largest(gloss.specular) <= ZERO
+
+
+@device
 def schlick(specular, cosine):
     """Fresnel reflectance by Schlick's approximation."""
     x = (ONE - cosine) ** 5
@@ -166,6 +176,8 @@ def brdf_value(gloss, diffuse, n, wo, wi):
         return BLACK
     if gloss is None:
         return scale(diffuse, INVERSE_PI * cos_i)
+    if bare(gloss):
+        return scale(diffuse, INVERSE_PI * cos_i)
     body = BLEND * grazing(HALF * cos_i) * grazing(HALF * cos_o)
     rs = gloss.specular
     under = (diffuse[0] * (ONE - rs[0]), diffuse[1] * (ONE - rs[1]), diffuse[2] * (ONE - rs[2]))
@@ -184,6 +196,8 @@ def brdf_pdf(gloss, n, wo, wi):
     if cos_i <= ZERO or dot(n, wo) <= ZERO:
         return ZERO
     if gloss is None:
+        return cos_i * INVERSE_PI
+    if bare(gloss):
         return cos_i * INVERSE_PI
     h, cos_h = half_vector(wo, wi)
     if cos_h <= ZERO:
@@ -216,7 +230,7 @@ def sample_brdf(gloss, n, wo, rng):
     if gloss is None:
         return from_basis(s, t, n, cosine_hemisphere(u, v)), rng
     rng, lobe = stratified(rng)
-    if lobe < HALF:
+    if lobe < HALF or bare(gloss):
         return from_basis(s, t, n, cosine_hemisphere(u, v)), rng
     cosine, sine = sample_microfacet(gloss, u)
     phi = TWO_PI * v

@@ -3,13 +3,12 @@
 import numpy as np
 
 from .environment import ambient_radiance, environment_pdf, environment_radiance
-from .grid import box_interval
+from .event import visibility
 from .jit import device, glue
 from .light_tree import light_chance
 from .lights import area_light_radiance, blocked, light_pdf, nearest_light, sample_light
 from .scatter import sample_scatter, scatter_pdf, scatter_value, scatter_weight
-from .tracking import transmittance
-from .vec import BLACK, add, largest, mul, scale, transform, wide
+from .vec import BLACK, add, largest, mul, scale
 
 f32 = np.float32
 ZERO, ONE = f32(0.0), f32(1.0)
@@ -25,18 +24,6 @@ def power_heuristic(p, q):
         return ZERO
     ratio = q / p
     return ONE / (ONE + ratio * ratio)
-
-
-@glue
-def visibility(scene, p, wi, distance, rng):
-    """Transmittance from index position p along wi over `distance`. Returns (T, rng)."""
-    medium = scene.medium
-    d = transform(medium.index_from_world, wi)
-    _, leave = box_interval(wide(p), wide(d), medium.active_lo, medium.active_hi)
-    length = min(f32(leave), distance)
-    return transmittance(
-        scene.shadows, scene.marching, medium, scene.transfer, scene.ratio, p, d, length, rng
-    )
 
 
 @device
@@ -57,7 +44,7 @@ def light_by_light(choice, scene, v, rng):
         return BLACK, rng
     if blocked(scene.light_tree, scene.area_lights, v.x, light):
         return BLACK, rng
-    T, rng = visibility(scene, v.p, light.wi, light.distance, rng)
+    T, rng = visibility(scene, v, light.wi, light.distance, rng)
     if choice.by_scatter and light.pdf > ZERO:
         T *= power_heuristic(light.pdf, scatter_pdf(v, light.wi))
     return scale(f, T), rng
@@ -116,5 +103,5 @@ def light_by_scatter(ambient, environment, area_lights, scene, v, rng):
     f = mul(f, L)
     if largest(f) <= ZERO:
         return BLACK, rng
-    T, rng = visibility(scene, v.p, wi, distance, rng)
+    T, rng = visibility(scene, v, wi, distance, rng)
     return scale(f, T), rng

@@ -68,6 +68,12 @@ def device(function: Callable):
     return _cached(njit(forceinline=True, no_cpython_wrapper=True, **KERNEL)(function))
 
 
+def exact(function: Callable):
+    """Compile a kernel-only function whose roundings must be those that are written down."""
+    options = {**KERNEL, "fastmath": False}
+    return _cached(njit(forceinline=True, no_cpython_wrapper=True, **options)(function))
+
+
 def glue(function: Callable):
     """Merge a function into its callers before they are typed, instead of compiling it by itself.
 

@@ -8,8 +8,9 @@ from ..packed import Gloss, Phase
 from .brdf import brdf_pdf, brdf_value, brdf_weight, sample_brdf, surface_event
 from .jit import device, glue
 from .phase import phase_value, sample_phase
-from .transfer import colour, emitted, number_channel, rgb_channel
-from .vec import scale
+from .receivers import receiver_colour, receiver_point
+from .transfer import colour, emitted, number_channel, of_label, rgb_channel
+from .vec import BLACK, add, narrow, scale, transform, wide
 
 f32 = np.float32
 
@@ -18,7 +19,7 @@ class Vertex(NamedTuple):
     """Scattering point of a path."""
 
     x: tuple  # position relative to the volume's centre
-    p: tuple  # index position
+    p: tuple  # index position in the first volume
     wo: tuple  # unit direction back along the path
     on_surface: bool  # scatters by the BRDF instead of the phase function
     normal: tuple  # of a surface, on the side of wo
@@ -50,15 +51,44 @@ def phase_at(phase, transfer, shape, scalar):
 
 
 @glue
-def vertex_at(scene, x, p, wo, scalar, sigma_t, rng):
-    """Vertex of a collision. Returns (vertex, rng)."""
-    medium, transfer = scene.medium, scene.transfer
-    albedo = colour(transfer.colour_grid, transfer.table_2d, medium, transfer, p, scalar)
-    on_surface, normal, rng = surface_event(scene.surface, medium, p, sigma_t, wo, rng)
-    gloss = gloss_at(scene.gloss, transfer, transfer.specular, transfer.exponent, scalar)
-    phase = phase_at(scene.phase, transfer, transfer.phase, scalar)
+def medium_vertex(
+    medium, transfer, surface, gloss, phase, x, p, place, wo, scalar, sigma_t, rng
+):
+    """Vertex of a collision in a medium, at its index position `place`. Returns (vertex, rng)."""
+    transfer = of_label(medium.labels, transfer, place)
+    albedo = colour(transfer.colour_grid, transfer.table_2d, medium, transfer, place, scalar)
+    on_surface, normal, rng = surface_event(surface, medium, place, sigma_t, wo, rng)
+    gloss = gloss_at(gloss, transfer, transfer.specular, transfer.exponent, scalar)
+    phase = phase_at(phase, transfer, transfer.phase, scalar)
     glow = emitted(transfer.emission, transfer, scalar, albedo)
     return Vertex(x, p, wo, on_surface, normal, albedo, glow, gloss, phase), rng
+
+
+@device
+def blank_vertex(gloss, phase, x, p, wo):
+    """Vertex that reflects nothing, of the same type as the others."""
+    return Vertex(x, p, wo, False, BLACK, BLACK, BLACK, gloss, phase)
+
+
+@device
+def receiver_gloss(gloss, receivers, index):
+    """Coat of a receiver."""
+    if gloss is None:
+        return gloss
+    s = receivers.specular
+    return Gloss((s[index, 0], s[index, 1], s[index, 2]), receivers.exponent[index], False)
+
+
+@device
+def receiver_vertex(receivers, mesh, gloss, phase, camera, index, triangle, x, wo):
+    """Vertex on a receiver, at its point x."""
+    if receivers is None:
+        return blank_vertex(gloss, phase, x, x, wo)
+    x, normal = receiver_point(receivers, mesh, index, triangle, x, wo)
+    p = narrow(add(camera.index_of_centre, transform(camera.index_from_world, wide(x))))
+    albedo = receiver_colour(receivers, index)
+    gloss = receiver_gloss(gloss, receivers, index)
+    return Vertex(x, p, wo, True, normal, albedo, BLACK, gloss, phase)
 
 
 @glue

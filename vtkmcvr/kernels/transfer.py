@@ -4,8 +4,11 @@ import math
 
 import numpy as np
 
+from ..packed import Transfer
+from .cut import in_regions, outside_holes
 from .grid import gradient, trilinear
 from .jit import device
+from .labels import label_row
 from .vec import BLACK, dot
 
 f32, i32, index = np.float32, np.int32, np.uintp
@@ -17,8 +20,21 @@ NEXT = np.uintp(1)
 def table_position(transfer, scalar):
     """Entry and fraction. The table spans all scalars; rounding may pass its ends by a hair."""
     x = (scalar - transfer.lowest) * transfer.per_scalar
-    i = min(i32(x), i32(len(transfer.sigma_t) - 2))
-    return index(i), x - f32(i)
+    i = min(i32(x), transfer.entries - i32(2))
+    return index(transfer.first + i), x - f32(i)
+
+
+@device
+def of_label(labels, transfer, p):
+    """Transfer function at index position p: the row of the nearest voxel's label."""
+    if labels is None:
+        return transfer
+    t = transfer
+    first = i32(label_row(labels, p)) * t.entries
+    return Transfer(
+        t.sigma_t, t.colour, t.lowest, t.per_scalar, t.gradient_opacity, t.table_2d, t.colour_grid,
+        t.emission, t.specular, t.exponent, t.phase, i32(first), t.entries,
+    )  # fmt: skip
 
 
 @device
@@ -93,9 +109,12 @@ def classify(gradient_opacity, table_2d, medium, transfer, p):
     """Scalar at index position p and its extinction. Returns (scalar, sigma_t).
 
     A gradient is fetched only where the transfer function depends on it and may be above zero.
+    Where the medium is cut off, the extinction is 0.
     """
     scalar = trilinear(medium.values, p)
-    sigma_t = extinction(transfer, scalar)
+    sigma_t = extinction(of_label(medium.labels, transfer, p), scalar)
+    sigma_t = outside_holes(medium.holes, p, sigma_t)
+    sigma_t = in_regions(medium.regions, p, sigma_t)
     if gradient_opacity is not None:
         if sigma_t > ZERO:
             sigma_t *= gradient_factor(gradient_opacity, medium, p)
