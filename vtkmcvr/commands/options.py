@@ -6,6 +6,7 @@ import argparse
 from typing import Any
 
 from .camera_options import add_camera_options
+from .occlusion_options import add_occlusion_options
 
 
 def add_scene_options(parser: argparse.ArgumentParser) -> None:
@@ -38,6 +39,7 @@ def add_render_options(parser: argparse.ArgumentParser) -> None:
     """Everything that decides a picture."""
     add_scene_options(parser)
     add = parser.add_argument
+    add_occlusion_options(parser)
     add("--samples", type=int, help="samples per pixel, default 64")
     add("--seconds", type=float, help="time to render; the first limit that is met ends the render")
     add("--nrms", type=float, help="error to reach, such as 0.02")

@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 from .. import __version__
 from .inputs import demo_volume, flipped, read_input, scene_options
+from .occlusion_options import occlusion_options
 from .options import add_render_options
 from .terminal import Bar, Interrupt, say_to, write_json
 
 if TYPE_CHECKING:
+    from ..occlusion import OcclusionPicture
     from ..picture import Picture
 
 DEMO_PICTURE = "vtkmcvr-demo.png"
@@ -82,10 +84,10 @@ def make_picture(data: Any, args: argparse.Namespace, *, explain: bool = False) 
             data, samples=args.samples, seconds=args.seconds, nrms=args.nrms, seed=args.seed,
             threads=args.threads, exposure=args.exposure, background=background, progress=bar,
             abort=stop.is_set,
-            **options,
+            **occlusion_options(args), **options,
         )  # fmt: skip
     if args.denoise:
-        picture = picture.denoised(args.denoise)
+        picture = _denoised(picture, args.denoise)
     picture.save(args.output, bits=args.bits)
     if explain:
         say(picture.plan.explain())
@@ -97,6 +99,12 @@ def make_picture(data: Any, args: argparse.Namespace, *, explain: bool = False) 
     if args.report:
         _report(picture, args)
     return 0
+
+
+def _denoised(picture: Any, method: str) -> Any:
+    if picture.standard_error is None:
+        raise ValueError("technique occlusion has no noise to reduce: leave --denoise out")
+    return picture.denoised(method)
 
 
 def _predict(data: Any, options: dict[str, Any], args: argparse.Namespace) -> int:
@@ -121,7 +129,7 @@ def _report(picture: Picture, args: argparse.Namespace) -> None:
     say_to(args)(f"report: {path.resolve()}")
 
 
-def _facts(picture: Picture) -> dict[str, Any]:
+def _facts(picture: Picture | OcclusionPicture) -> dict[str, Any]:
     return {
         **picture.facts(),
         "volume": picture.recipe["volume"],
@@ -131,7 +139,11 @@ def _facts(picture: Picture) -> dict[str, Any]:
     }
 
 
-def _cost(picture: Picture) -> str:
+def _cost(picture: Picture | OcclusionPicture) -> str:
+    from ..occlusion import OcclusionPicture
+
+    if isinstance(picture, OcclusionPicture):
+        return str(picture)
     width, height = picture.size
     error = f"estimated error (NRMS) {picture.nrms:.2%}"
     if picture.denoiser is not None:
