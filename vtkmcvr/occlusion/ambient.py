@@ -7,12 +7,21 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from ..lights import ConstantEnvironment, DirectionalLight, EnvironmentMap, PointLight
-from ..lights import RectangleLight as Rectangle
+from ..lights import (
+    CameraLight,
+    ConstantEnvironment,
+    EnvironmentMap,
+    GradientEnvironment,
+    Light,
+    PointLight,
+    irradiance_at,
+)
 from ..scene import Scene
 
 # Mean cosine of the light over a hemisphere of surfaces
 FACING = 0.5
+# Share of the end colours in a gradient's mean: integral of (2 e / pi) cos(e) over elevations e
+ENDS = 1 - 2 / math.pi
 
 
 def ambient_radiance(scene: Scene) -> NDArray[np.float64]:
@@ -23,26 +32,24 @@ def ambient_radiance(scene: Scene) -> NDArray[np.float64]:
     """
     if not scene.lights:
         return np.ones(3)
-    return np.sum([_radiance(light, scene.volume.centre) for light in scene.lights], axis=0)
+    lights = [
+        light.seen_by(scene.camera) if isinstance(light, CameraLight) else light
+        for light in scene.lights
+    ]
+    return np.sum([_radiance(light, scene.volume.centre) for light in lights], axis=0)
 
 
-def _radiance(light: object, centre: NDArray) -> NDArray[np.float64]:
+def _radiance(light: Light, centre: NDArray) -> NDArray[np.float64]:
     if isinstance(light, ConstantEnvironment):
-        return np.array(light.radiance)
+        return irradiance_at(light, centre) / math.pi
     if isinstance(light, EnvironmentMap):
-        rows = len(light.pixels)
+        rows, columns, _ = light.pixels.shape
         edges = np.cos(np.linspace(0, math.pi, rows + 1))
-        weight = (edges[:-1] - edges[1:]) / 2
-        return light.scale * np.einsum("rcx,r->x", light.pixels, weight) / light.pixels.shape[1]
-    if isinstance(light, DirectionalLight):
-        return np.array(light.irradiance) * FACING / math.pi
-    if isinstance(light, PointLight):
-        r = float(np.linalg.norm(np.subtract(centre, light.position)))
-        a, b, c = light.attenuation
-        return np.array(light.intensity) / (a + b * r + c * r * r) * FACING / math.pi
-    assert isinstance(light, Rectangle)
-    apart = np.subtract(centre, light.centre)
-    square = float(apart @ apart)
-    cosine = abs(float(light.frame[2] @ apart)) / math.sqrt(square)
-    share = light.size[0] * light.size[1] * cosine / (square * math.pi)
-    return np.array(light.radiance) * min(share, 1.0) * FACING
+        by_row = (edges[:-1] - edges[1:]) / 2
+        return light.scale * np.einsum("rcx,r->x", light.pixels, by_row) / columns
+    if isinstance(light, GradientEnvironment):
+        top, middle, bottom = (np.array(c) for c in (light.top, light.middle, light.bottom))
+        return light.scale * (ENDS * (top + bottom) / 2 + (1 - ENDS) * middle)
+    if isinstance(light, PointLight) and np.allclose(light.position, centre):
+        return np.zeros(3)
+    return irradiance_at(light, centre) * FACING / math.pi
