@@ -75,6 +75,9 @@ def test_command_line(tmp_path, capsys):
 def test_command_line_says_what_needs_the_technique(tmp_path, capsys):
     assert main(["demo", "-o", str(tmp_path / "a.png"), "--theta", "40"]) != 0
     assert "--technique occlusion" in capsys.readouterr().err
+    assert main(["demo", "-o", str(tmp_path / "a.png"), "--technique", "occlusion",
+                 "--denoise", "knn"]) != 0  # fmt: skip
+    assert "--denoise is not for" in capsys.readouterr().err
 
 
 def test_filter_gives_the_arrays_of_the_monte_carlo_filter():

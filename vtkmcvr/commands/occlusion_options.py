@@ -43,6 +43,9 @@ def occlusion_options(args: argparse.Namespace) -> dict[str, Any]:
         if given:
             raise ValueError(f"{', '.join(sorted(given))}: only with --technique occlusion")
         return {}
+    for name in ("denoise", "report", "dry_run", "samples", "seconds", "nrms"):
+        if getattr(args, name, None):
+            raise ValueError(f"--{name.replace('_', '-')} is not for --technique occlusion")
     from ..occlusion import Occlusion
 
     return {"technique": "occlusion", "occlusion": Occlusion(**given)}

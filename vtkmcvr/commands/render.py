@@ -70,6 +70,7 @@ def make_picture(data: Any, args: argparse.Namespace, *, explain: bool = False) 
     from ..picture import check_suffix
     from ..report import check_report
 
+    technique = occlusion_options(args)
     data = flipped(data, args.flip)
     options = scene_options(data, args)
     if args.dry_run:
@@ -84,10 +85,10 @@ def make_picture(data: Any, args: argparse.Namespace, *, explain: bool = False) 
             data, samples=args.samples, seconds=args.seconds, nrms=args.nrms, seed=args.seed,
             threads=args.threads, exposure=args.exposure, background=background, progress=bar,
             abort=stop.is_set,
-            **occlusion_options(args), **options,
+            **technique, **options,
         )  # fmt: skip
     if args.denoise:
-        picture = _denoised(picture, args.denoise)
+        picture = picture.denoised(args.denoise)
     picture.save(args.output, bits=args.bits)
     if explain:
         say(picture.plan.explain())
@@ -99,12 +100,6 @@ def make_picture(data: Any, args: argparse.Namespace, *, explain: bool = False) 
     if args.report:
         _report(picture, args)
     return 0
-
-
-def _denoised(picture: Any, method: str) -> Any:
-    if picture.standard_error is None:
-        raise ValueError("technique occlusion has no noise to reduce: leave --denoise out")
-    return picture.denoised(method)
 
 
 def _predict(data: Any, options: dict[str, Any], args: argparse.Namespace) -> int:
@@ -119,7 +114,7 @@ def _predict(data: Any, options: dict[str, Any], args: argparse.Namespace) -> in
     return 0
 
 
-def _report(picture: Picture, args: argparse.Namespace) -> None:
+def _report(picture: Any, args: argparse.Namespace) -> None:
     from ..costs.effects import effect_costs
     from ..report import write_report
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
@@ -100,6 +100,10 @@ class OcclusionPicture:
     def with_display(self, display: Display | None = None, **changes: Any) -> OcclusionPicture:
         """The same film under another display, or with parts of it changed."""
         return replace(self, display=replace(display or self.display, **changes))
+
+    def denoised(self, method: str = "knn") -> NoReturn:
+        """Refuse: there is no noise."""
+        raise ValueError(f"technique occlusion has no noise for {method} to reduce")
 
     def arrays(self) -> dict[str, NDArray]:
         """All arrays by public name."""
