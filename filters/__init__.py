@@ -3,8 +3,15 @@
 from __future__ import annotations
 
 from .denoise import DenoiseFilter
+from .directional_occlusion import DirectionalOcclusionFilter
 from .monte_carlo import MonteCarloFilter
 from .tone_map import ToneMapFilter
 from .volume_reader import VolumeReader
 
-__all__ = ["DenoiseFilter", "MonteCarloFilter", "ToneMapFilter", "VolumeReader"]
+__all__ = [
+    "DenoiseFilter",
+    "DirectionalOcclusionFilter",
+    "MonteCarloFilter",
+    "ToneMapFilter",
+    "VolumeReader",
+]

@@ -28,6 +28,9 @@ _HOME = {
     "write_report": "report",
     "replay": "replay",
     "read_recipe": "recipe_files",
+    "Occlusion": "occlusion",
+    "OcclusionPicture": "occlusion",
+    "render_occlusion": "occlusion",
     "Picture": "picture",
     "DenoisedPicture": "denoised_picture",
     "Display": "picture",
@@ -111,6 +114,7 @@ if TYPE_CHECKING:
         with_power,
         with_vtk_intensity,
     )
+    from .occlusion import Occlusion, OcclusionPicture, render_occlusion
     from .phantom import head_phantom
     from .picture import Display, Picture
     from .prediction import estimate

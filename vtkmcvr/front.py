@@ -10,6 +10,7 @@ import numpy as np
 
 from . import __version__, checks
 from .lights import Light
+from .occlusion import Occlusion, OcclusionPicture, render_occlusion
 from .picture import Display, Picture
 from .plan import plan
 from .presets import Dressed, dress
@@ -20,7 +21,7 @@ from .studio import view_camera
 from .volume_info import units
 from .vtk_scene import volume_of
 
-TECHNIQUES = ("monte-carlo",)
+TECHNIQUES = ("monte-carlo", "occlusion")
 # sRGB colour behind presets
 BACKDROP = (0.07, 0.08, 0.10)
 
@@ -104,6 +105,7 @@ def render(
     data: Any,
     *,
     technique: str = "monte-carlo",
+    occlusion: Occlusion | None = None,
     samples: int | None = None,
     seconds: float | None = None,
     nrms: float | None = None,
@@ -114,13 +116,16 @@ def render(
     progress: Callable[[Progress], object] | None = None,
     abort: Callable[[], bool] | None = None,
     **scene: Any,
-) -> Picture:
+) -> Picture | OcclusionPicture:
     """Render a volume.
 
     Parameters
     ----------
     data : vtkImageData, pyvista.ImageData, Volume or Scene
-    technique : {"monte-carlo"}
+    technique : {"monte-carlo", "occlusion"}
+        Light transport, or directional occlusion shading: quick, without noise, biased.
+    occlusion : Occlusion, optional
+        Cone, mode and accuracy of technique "occlusion", which takes no samples, seconds or seed.
     samples : int, optional
         Samples per pixel. Default: 64, or unlimited with `seconds` or `nrms`.
     seconds : float, optional
@@ -142,11 +147,12 @@ def render(
 
     Returns
     -------
-    Picture
+    Picture or OcclusionPicture
 
     Examples
     --------
     >>> picture = vtkmcvr.render(image, preset="ct-bone", size=(400, 300), samples=16)
+    >>> picture = vtkmcvr.render(image, technique="occlusion")
     """
     if technique not in TECHNIQUES:
         raise ValueError(f"technique is one of {', '.join(TECHNIQUES)}; got {technique!r}")
@@ -154,16 +160,34 @@ def render(
         dressed = Dressed(replace(data, **scene), 0.0, "none", ())
     else:
         dressed = scene_of(data, **scene)
+    display = Display(dressed.exposure if exposure is None else exposure, background)
+    if technique == "occlusion":
+        _check_unused(samples, seconds, nrms)
+        result = render_occlusion(
+            dressed.scene, occlusion, threads=threads, display=display, progress=progress,
+            abort=abort,
+        )  # fmt: skip
+        return replace(result, recipe=_recipe(result, dressed, None, None, None))
+    if occlusion is not None:
+        raise ValueError('occlusion=... needs technique="occlusion"')
     picture = render_scene(
         dressed.scene, samples=samples, seconds=seconds, nrms=nrms, seed=seed, threads=threads,
-        display=Display(dressed.exposure if exposure is None else exposure, background),
-        progress=progress, abort=abort,
+        display=display, progress=progress, abort=abort,
     )  # fmt: skip
     return replace(picture, recipe=_recipe(picture, dressed, samples, seconds, nrms))
 
 
+def _check_unused(samples: int | None, seconds: float | None, nrms: float | None) -> None:
+    for name, value in (("samples", samples), ("seconds", seconds), ("nrms", nrms)):
+        if value is not None:
+            raise ValueError(
+                f"technique occlusion has no {name} (got {value}); its accuracy is set by "
+                "Occlusion(directions=..., detail=...)"
+            )
+
+
 def _recipe(
-    picture: Picture,
+    picture: Picture | OcclusionPicture,
     dressed: Dressed,
     samples: int | None,
     seconds: float | None,
@@ -173,7 +197,7 @@ def _recipe(
     volume, camera = dressed.scene.volume, dressed.scene.camera
     return {
         "version": __version__,
-        "technique": "monte-carlo",
+        "technique": "occlusion" if isinstance(picture, OcclusionPicture) else "monte-carlo",
         "preset": dressed.preset,
         "samples": samples,
         "seconds": seconds,

@@ -422,3 +422,100 @@ class Film(NamedTuple):
     albedo: NDArray[np.float64] | None
     normal: NDArray[np.float64] | None  # world-space unit vectors toward the camera
     batches: Batches | None  # where samples of a batch depend on each other
+
+
+class Integrals(NamedTuple):
+    """Integrals of a transfer function from its first table entry on, over entries."""
+
+    sigma_t: NDArray[np.float32]  # (n,) extinction, 1/world unit
+    depth: NDArray[np.float64]  # (n,) integral of sigma_t
+    light: NDArray[np.float64]  # (n, 3) integral of sigma_t times colour
+    colour: NDArray[np.float32]  # (n, 3) albedo
+    clear: np.float32  # table position up to which there is no extinction
+    lowest: np.float32
+    per_scalar: np.float32
+
+
+class Perspective(NamedTuple):
+    """Rays meet in the eye: their obliqueness varies over the film."""
+
+    eye_column: np.float32  # of the view axis
+    eye_row: np.float32
+    slope: np.float32  # world units sideways per world unit of depth, per pixel
+
+
+class LayerBlock(NamedTuple):
+    """Layers between planes across the view axis, as rays through pixels meet them.
+
+    Index position of pixel (column, row) at depth z below the first plane:
+    first + column first_x + row first_y + z (deep + column deep_x + row deep_y).
+    """
+
+    first: Vector
+    first_x: Vector
+    first_y: Vector
+    deep: Vector
+    deep_x: Vector
+    deep_y: Vector
+    thickness: np.float32  # of a layer, world units along the view axis
+    before: np.float32  # from the eye to the first plane, world units along the view axis
+
+
+class Layers(NamedTuple):
+    """What a block of layers holds, [layer, row, column]."""
+
+    depth: NDArray[np.float32]  # optical depth along the view axis
+    tinted: NDArray[np.float32] | None  # [colour, layer, row, column] the same for coloured light
+    seen: NDArray[np.float32]  # transmittance from the eye to the layer's front; 0: not seen
+    front: NDArray[np.float32]  # table position of the scalar at front and back, where seen
+    back: NDArray[np.float32]
+
+
+class Runs(NamedTuple):
+    """Stretches of columns [start, end) of every row of every layer that hold anything."""
+
+    flags: NDArray[np.bool_]  # [layer, row, segment]
+    count: NDArray[np.int32]  # type: ignore[assignment]  # [layer, row]
+    start: NDArray[np.int32]  # [layer, row, run]
+    end: NDArray[np.int32]
+    slot: NDArray[np.int64]  # [layer, row, run] where the run starts in compact arrays
+
+
+class Cone(NamedTuple):
+    """Cone of light, in the frame (columns, rows, toward the viewer)."""
+
+    axis: Vector
+    around_view: np.bool_  # the axis is every pixel's own view ray
+    cosine: np.float32
+    per_cosine: np.float32  # sharpness of its edge
+
+
+class Beam(NamedTuple):
+    """Rays toward light of one direction."""
+
+    sideways_x: np.float32  # world units per unit of depth; perspective: times depth
+    sideways_y: np.float32
+    weight: np.float32
+
+
+class Shade(NamedTuple):
+    """Gradient shading of what the eye sees: Lambert and Blinn, light along the cone's axis."""
+
+    surface: Surface
+    toward_light: Vector  # world
+    headlight: np.bool_  # the light is where the eye is, for each pixel
+    right: Vector  # of the film, in the world
+    down: Vector
+    forward: Vector
+    specular: Vector
+    exponent: np.float32
+    strength: np.float32  # 1: shaded; 0: normals only
+
+
+class OcclusionFilm(NamedTuple):
+    """Sums per pixel, [row, column]."""
+
+    radiance: NDArray[np.float32]  # (h, w, 3)
+    alpha: NDArray[np.float32]
+    depth: NDArray[np.float32]  # distance from the eye times opacity
+    normal: NDArray[np.float32] | None  # (h, w, 3) world normal times opacity

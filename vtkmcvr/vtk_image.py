@@ -11,6 +11,7 @@ from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkImageData
 
 if TYPE_CHECKING:
+    from .occlusion import OcclusionPicture
     from .picture import Picture
 
 
@@ -39,19 +40,19 @@ def image_of_arrays(arrays: Mapping[str, NDArray]) -> vtkImageData:
     return image
 
 
-def image_of_picture(picture: Picture) -> vtkImageData:
+def image_of_picture(picture: Picture | OcclusionPicture) -> vtkImageData:
     """Image with the measured arrays of a picture.
 
     Parameters
     ----------
-    picture : Picture
+    picture : Picture or OcclusionPicture
 
     Returns
     -------
     vtkImageData
         float32 point arrays "radiance" (active; linear RGB premultiplied by alpha, then alpha),
-        "depth" (world units; inf where the volume is missed), "standard_error" (of RGB), and
-        "albedo" and "normal" where the scene asked for them.
+        "depth" (world units; inf where the volume is missed), "standard_error" (of RGB) where the
+        technique has one, and "albedo" and "normal" where the scene asked for them.
     """
     arrays = {
         "radiance": np.dstack([picture.radiance, picture.alpha]),

@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 from .. import __version__
 from .inputs import read_as_asked
+from .occlusion_options import occlusion_options
 from .options import add_render_options
 from .scenes import demo_volume, flipped, scene_options
 from .terminal import Bar, Interrupt, say_to, write_json
 
 if TYPE_CHECKING:
+    from ..occlusion import OcclusionPicture
     from ..picture import Picture
 
 DEMO_PICTURE = "vtkmcvr-demo.png"
@@ -105,8 +107,7 @@ def picture_of(data: Any, args: argparse.Namespace) -> Picture:
         picture = render(
             data, samples=args.samples, seconds=args.seconds, nrms=args.nrms, seed=args.seed,
             threads=args.threads, exposure=args.exposure, background=background, progress=bar,
-            abort=stop.is_set,
-            **options,
+            abort=stop.is_set, **occlusion_options(args), **options,
         )  # fmt: skip
     return picture.denoised(args.denoise) if args.denoise else picture
 
@@ -124,7 +125,7 @@ def _predict(data: Any, args: argparse.Namespace) -> int:
     return 0
 
 
-def _report(picture: Picture, args: argparse.Namespace) -> None:
+def _report(picture: Any, args: argparse.Namespace) -> None:
     from ..costs.effects import effect_costs
     from ..report import write_report
 
@@ -134,7 +135,7 @@ def _report(picture: Picture, args: argparse.Namespace) -> None:
     say_to(args)(f"report: {path.resolve()}")
 
 
-def picture_facts(picture: Picture) -> dict[str, Any]:
+def picture_facts(picture: Picture | OcclusionPicture) -> dict[str, Any]:
     """What was measured, ready for JSON."""
     return {
         **picture.facts(),
@@ -145,7 +146,11 @@ def picture_facts(picture: Picture) -> dict[str, Any]:
     }
 
 
-def _cost(picture: Picture) -> str:
+def _cost(picture: Picture | OcclusionPicture) -> str:
+    from ..occlusion import OcclusionPicture
+
+    if isinstance(picture, OcclusionPicture):
+        return str(picture)
     width, height = picture.size
     error = f"estimated error (NRMS) {picture.nrms:.2%}"
     if picture.denoiser is not None:

@@ -176,9 +176,7 @@ class _Worker:
             return stored
         if self.progress is not None:
             self.progress(0, len(self.all), "reference")
-        reference = make_reference(
-            planned, REFERENCE_SHARE * self.budget, self.threads, self.abort
-        )
+        reference = make_reference(planned, REFERENCE_SHARE * self.budget, self.threads, self.abort)
         save_reference(self.folder, reference)
         self.results["reference"] = {
             "samples": reference.samples,

@@ -1,0 +1,130 @@
+"""Small parts of the occlusion kernels against NumPy."""
+
+import math
+
+import numpy as np
+import pytest
+from compiled import compiled
+
+from vtkmcvr import packed
+from vtkmcvr.kernels.cone_beams import held, mean_transmitted, transmitted
+from vtkmcvr.kernels.cone_single import blur_columns, blur_rows
+from vtkmcvr.kernels.cone_transfer import integral_at, mean_albedo, mean_extinction
+from vtkmcvr.occlusion.medium import integrals_of
+
+f32 = np.float32
+
+
+def test_transmittance_without_branches():
+    # The Taylor polynomial of degree 3 at x/64, to the power 64, and 70 float32 roundings
+    depth = np.concatenate([[0.0], np.geomspace(1e-8, 1e4, 400)]).astype(f32)
+    call = compiled(transmitted)
+    T = np.array([call(x) for x in depth])
+    assert np.abs(T - np.exp(-depth.astype(np.float64))).max() < 1e-5
+    assert T[0] == 1 and T[-1] < 1e-20
+
+
+def test_mean_transmittance_of_a_layer():
+    x = np.concatenate([[0.0], np.geomspace(1e-7, 1e4, 400)]).astype(f32)
+    call = compiled(mean_transmitted)
+    mean = np.array([call(v) for v in x])
+    y = np.maximum(x.astype(np.float64), 1e-12)
+    assert np.abs(mean * y / -np.expm1(-y) - 1).max() < 1e-3
+
+
+@pytest.fixture
+def integrals():
+    rng = np.random.default_rng(4)
+    n = 64
+    sigma_t = rng.random(n).astype(f32)
+    sigma_t[:9] = 0
+    none = (None,) * 7
+    colour = rng.random((n, 3)).astype(f32)
+    return integrals_of(packed.Transfer(sigma_t, colour, f32(-2), f32(10), *none))
+
+
+def test_no_extinction_is_known_up_to_its_first_entry(integrals):
+    assert integrals.clear == 8
+
+
+@pytest.mark.parametrize(("x", "y"), [(3.0, 40.2), (40.2, 3.0), (12.3, 12.9), (20.0, 20.01)])
+def test_mean_extinction_is_that_of_many_points(integrals, x, y):
+    along = np.linspace(x, y, 20001)
+    expected = np.interp(along, np.arange(64), integrals.sigma_t).mean()
+    step = compiled(integral_at)(integrals, f32(y)) - compiled(integral_at)(integrals, f32(x))
+    found = compiled(mean_extinction)(integrals, f32(x), f32(y), step)
+    assert found == pytest.approx(expected, rel=1e-3)
+
+
+def test_half_of_a_stretch_without_data_is_empty(integrals):
+    found = compiled(mean_extinction)(integrals, f32(-1), f32(20), 0.0)
+    assert found == pytest.approx(integrals.sigma_t[20] / 2)
+
+
+def test_albedo_is_weighted_by_extinction(integrals):
+    along = np.linspace(10, 30, 20001)
+    entries = np.arange(64)
+    sigma_t = np.interp(along, entries, integrals.sigma_t)
+    found = compiled(mean_albedo)(integrals, f32(10), f32(30))
+    for c in range(3):
+        # Products of linear pieces are integrated by trapezia
+        lit = np.interp(along, entries, integrals.sigma_t * integrals.colour[:, c])
+        assert found[c] == pytest.approx(lit.mean() / sigma_t.mean(), rel=0.05)
+
+
+def test_a_moved_buffer_keeps_its_rays():
+    rng, move = np.random.default_rng(0), compiled(held)
+    rows, columns, room = 5, 7, 6
+    buffer = np.zeros((rows + room, columns + room), f32)
+    origin = np.array([-3, -3])
+    rays = {}
+    y = x = 0
+    for _ in range(200):
+        move(buffer, origin, y, x, rows, columns)
+        for j in range(-y, rows - y):
+            for i in range(-x, columns - x):
+                value = buffer[j - origin[0], i - origin[1]]
+                assert value in (0, rays.get((j, i), 0))
+                rays[j, i] = buffer[j - origin[0], i - origin[1]] = rng.random(dtype=f32)
+        # Rays that have left the film come back clear or as they were
+        y, x = y + rng.integers(-2, 3), x + rng.integers(-4, 5)
+
+
+def test_a_ray_that_stays_on_the_film_is_never_lost():
+    buffer, origin = np.zeros((20, 20), f32), np.array([-5, -5])
+    move = compiled(held)
+    move(buffer, origin, 0, 0, 10, 10)
+    buffer[4 - origin[0], 4 - origin[1]] = 1
+    for shift in range(5):
+        move(buffer, origin, shift, -shift, 10, 10)
+        assert buffer[4 - origin[0], 4 - origin[1]] == 1
+        assert buffer.sum() == 1
+
+
+@pytest.mark.parametrize("width", [1.0, 1.7, 3.0, 8.4, 60.0])
+@pytest.mark.parametrize("axis", [0, 1])
+def test_running_blur_is_the_direct_sum(width, axis):
+    a = np.random.default_rng(1).random((23, 31)).astype(f32)
+    out = np.empty_like(a)
+    if axis:
+        blur_rows(a, out, f32(width))
+    else:
+        blur_columns(a, out, np.empty(31, f32), f32(width))
+    reach = int((width - 1) / 2)
+    rest = (width - 1) / 2 - reach
+    kernel = np.array([rest, *[1.0] * (2 * reach + 1), rest]) / width
+    padded = np.pad(a.astype(np.float64), [(reach + 1, reach + 1) if k == axis else (0, 0)
+                                           for k in (0, 1)])  # fmt: skip
+    expected = np.apply_along_axis(lambda v: np.convolve(v, kernel, "valid"), axis, padded)
+    assert np.abs(out - expected).max() < 2e-6
+
+
+def test_the_blurs_variance_is_the_windows():
+    a, out = np.zeros((1, 101), f32), np.zeros((1, 101), f32)
+    a[0, 50] = 1
+    for width in (2.5, 9.0, 13.2):
+        blur_rows(a, out, f32(width))
+        variance = (out[0] * (np.arange(101) - 50) ** 2).sum()
+        assert out.sum() == pytest.approx(1, abs=1e-5)
+        # Between whole widths the end pixels are thicker than a box's: at most 1/6 pixel^2
+        assert abs(variance - (width * width - 1) / 12) < 1 / 6 + math.ulp(1)

@@ -1,0 +1,197 @@
+"""Light that travels in one direction: attenuated layer by layer, then read where the eye looks.
+
+A beam is all light of one direction. Its buffer holds the optical depth that each of its rays has
+met so far, on the film's raster where the rays meet the plane at which depth counts from. From
+layer to layer the raster moves sideways as a whole, by the same amount for all its rays (in a
+perspective view these are the rays that meet in one point of the eye's plane, straight lines too),
+so that nothing is resampled on the way: no blur grows with the number of layers (HC-80).
+"""
+
+import math
+
+import numpy as np
+
+from .jit import device, kernel
+
+f32, i32, index = np.float32, np.int32, np.uintp
+ZERO, HALF, ONE, TWO = f32(0.0), f32(0.5), f32(1.0), f32(2.0)
+SIXTH = f32(1.0 / 6.0)
+# (1 - e^-x) / x as a quotient of polynomials: 1 - x/2 + x^2/6 at 0, 1/x at infinity, relative error
+# 6e-4 in between
+P1, P2, P3 = f32(0.28106047), f32(0.06866372), f32(0.01305129)
+Q1, Q2 = f32(0.78106047), f32(0.29252)
+
+
+@device
+def transmitted(depth):
+    """e^-depth for depth >= 0, absolute error 4e-6: a Taylor polynomial, squared six times.
+
+    Without branches and integers, so that compilers turn it into vector code.
+    """
+    y = max(-depth, f32(-64.0)) * f32(1.0 / 64.0)
+    p = ONE + y * (ONE + y * (HALF + y * SIXTH))
+    p *= p
+    p *= p
+    p *= p
+    p *= p
+    p *= p
+    return p * p
+
+
+@device
+def mean_transmitted(x):
+    """(1 - e^-x) / x: mean transmittance over a layer of optical depth x."""
+    over = ONE + x * (P1 + x * (P2 + x * P3))
+    return over / (ONE + x * (Q1 + x * (Q2 + x * (P2 + x * P3))))
+
+
+@device
+def copied(buffer, rows, columns):
+    """Move the content of a buffer by whole rows and columns; what comes in is clear."""
+    height, width = buffer.shape
+    for j in range(height):
+        target = j if rows <= 0 else height - 1 - j
+        source = target - rows
+        if source < 0 or source >= height:
+            for i in range(width):
+                buffer[target, i] = ZERO
+        elif columns <= 0:
+            for i in range(width + columns):
+                buffer[target, i] = buffer[source, i - columns]
+            for i in range(max(width + columns, 0), width):
+                buffer[target, i] = ZERO
+        else:
+            for i in range(width - 1, columns - 1, -1):
+                buffer[target, i] = buffer[source, i - columns]
+            for i in range(min(columns, width)):
+                buffer[target, i] = ZERO
+
+
+@device
+def held(buffer, origin, y, x, rows, columns):
+    """Make the buffer hold the rays that meet the film when the raster has moved by (y, x).
+
+    Ray j of the raster is kept at index j - origin and meets film row j + y. Moves the content
+    when the film would stick out.
+    """
+    height, width = buffer.shape
+    room_y, room_x = height - rows, width - columns
+    top, left = -y - origin[0], -x - origin[1]
+    move_y, move_x = 0, 0
+    if top < 0:
+        move_y = room_y - top
+    elif top > room_y:
+        move_y = -top
+    if left < 0:
+        move_x = room_x - left
+    elif left > room_x:
+        move_x = -left
+    if move_x != 0 or move_y != 0:
+        copied(buffer, move_y, move_x)
+        origin[0] -= move_y
+        origin[1] -= move_x
+
+
+@device
+def cone_weight(cone, lx, ly, x, y):
+    """Whether a direction lies in the cone, with a soft edge, per solid angle; and its secant."""
+    square = ONE + lx * lx + ly * ly
+    inverse = ONE / math.sqrt(square)
+    if cone.around_view:
+        upright = ONE / math.sqrt(ONE + x * x + y * y)
+        cosine = (ONE - lx * x - ly * y) * inverse * upright
+    else:
+        cosine = (lx * cone.axis[0] + ly * cone.axis[1] + cone.axis[2]) * inverse
+    share = min(max((cosine - cone.cosine) * cone.per_cosine + HALF, ZERO), ONE)
+    return share * inverse * inverse * inverse, square * inverse
+
+
+@device
+def direction_at(perspective, cone, beam, zoom, row, column):
+    """Length of a beam's path per depth, as seen at a pixel, and its weight there."""
+    if perspective is None:
+        square = beam.sideways_x * beam.sideways_x + beam.sideways_y * beam.sideways_y
+        return math.sqrt(ONE + square), beam.weight
+    x = (f32(column) + HALF - perspective.eye_column) * perspective.slope
+    y = (f32(row) + HALF - perspective.eye_row) * perspective.slope
+    lx, ly = beam.sideways_x * zoom - x, beam.sideways_y * zoom - y
+    share, secant = cone_weight(cone, lx, ly, x, y)
+    return secant, share * beam.weight
+
+
+@device
+def eye_secant(perspective, row, column):
+    """Length of the view ray per depth."""
+    if perspective is None:
+        return ONE
+    x = (f32(column) + HALF - perspective.eye_column) * perspective.slope
+    y = (f32(row) + HALF - perspective.eye_row) * perspective.slope
+    return math.sqrt(ONE + x * x + y * y)
+
+
+@device
+def attenuate(buffer, origin, depth, runs, layer, y, x, share):
+    """Add `share` of a layer's optical depth to the rays that cross it."""
+    for row in range(runs.count.shape[1]):
+        j = index(row - y - origin[0])
+        shift = -x - origin[1]
+        for run in range(runs.count[layer, row]):
+            for column in range(runs.start[layer, row, run], runs.end[layer, row, run]):
+                buffer[j, index(column + shift)] += share * depth[layer, row, index(column)]
+
+
+@device
+def gather(
+    perspective, cone, beam, zoom, buffer, origin, depth, tinted, runs, layer, y, x, light, weight
+):
+    """Read the beam wherever the eye sees anything in a layer."""
+    for row in range(runs.count.shape[1]):
+        j = index(row - y - origin[0])
+        shift = -x - origin[1]
+        for run in range(runs.count[layer, row]):
+            start = runs.start[layer, row, run]
+            slot = runs.slot[layer, row, run] - start
+            for column in range(start, runs.end[layer, row, run]):
+                secant, share = direction_at(perspective, cone, beam, zoom, row, column)
+                oblique = eye_secant(perspective, row, column)
+                path = (
+                    depth[layer, row, index(column)] * oblique
+                    + tinted[layer, row, index(column)] * secant
+                )
+                T = transmitted(buffer[j, index(column + shift)] * secant)
+                light[index(slot + column)] += share * T * mean_transmitted(path)
+                add_weight(perspective, weight, slot + column, share)
+
+
+@device
+def add_weight(perspective, weight, slot, share):
+    """Count a direction; in a parallel view all pixels have the same ones."""
+    if perspective is None:
+        return
+    weight[index(slot)] += share
+
+
+@kernel
+def trace_beam(
+    perspective, cone, beam, buffer, origin, places, first, zooms, depth, tinted, filled, visible,
+    light, weight,
+):  # fmt: skip
+    """Take one beam through a block of layers: what the eye sees of it, and its shadow.
+
+    `places` (n, 2): by how many rows and columns the beam's raster has moved, for each layer in
+    each of the parts in which it is crossed; `first` (layers + 1,): where a layer's places start.
+    `depth` and `tinted` are the layers' optical depth for the eye and for the beam's light.
+    """
+    layers, rows, columns = depth.shape
+    for layer in range(layers):
+        start, end = first[layer], first[layer + 1]
+        middle = (start + end) // 2
+        held(buffer, origin, places[middle, 0], places[middle, 1], rows, columns)
+        gather(
+            perspective, cone, beam, zooms[layer], buffer, origin, depth, tinted, visible, layer,
+            places[middle, 0], places[middle, 1], light, weight,
+        )  # fmt: skip
+        for place in range(start, end):
+            y, x = places[place, 0], places[place, 1]
+            held(buffer, origin, y, x, rows, columns)
+            attenuate(buffer, origin, tinted, filled, layer, y, x, ONE / f32(end - start))

@@ -1,0 +1,141 @@
+"""One buffer of light for all directions, filtered from layer to layer (fast and paper modes).
+
+The buffer holds what is missing of the light, 1 - V, so that beyond the film all light is there.
+"""
+
+import math
+
+import numpy as np
+
+from .cone_beams import eye_secant, mean_transmitted, transmitted
+from .jit import device, kernel
+
+f32, i32, index = np.float32, np.int32, np.uintp
+ZERO, HALF, ONE, TWO = f32(0.0), f32(0.5), f32(1.0), f32(2.0)
+
+
+@kernel
+def blur_rows(source, target, width):
+    """Mean over a window of real width along every row, by running sums: any width costs the same.
+
+    A window of width w covers the pixel, whole pixels to both sides and a part of one more; its
+    variance is close to (w^2 - 1) / 12. Nothing is missing beyond the ends.
+    """
+    rows, columns = source.shape
+    reach = i32((width - ONE) * HALF)
+    rest = (width - ONE) * HALF - f32(reach)
+    scale = ONE / width
+    for row in range(rows):
+        total = ZERO
+        for i in range(min(reach, columns)):
+            total += source[row, i]
+        for i in range(columns):
+            ahead = source[row, i + reach] if i + reach < columns else ZERO
+            total += ahead
+            left = source[row, i - reach - 1] if i - reach - 1 >= 0 else ZERO
+            right = source[row, i + reach + 1] if i + reach + 1 < columns else ZERO
+            target[row, i] = (total + rest * (left + right)) * scale
+            total -= source[row, i - reach] if i - reach >= 0 else ZERO
+
+
+@kernel
+def blur_columns(source, target, running, width):
+    """The same along every column; `running` keeps the sums of all columns."""
+    rows, columns = source.shape
+    reach = i32((width - ONE) * HALF)
+    rest = (width - ONE) * HALF - f32(reach)
+    scale = ONE / width
+    for i in range(columns):
+        running[i] = ZERO
+    for row in range(min(reach, rows)):
+        for i in range(columns):
+            running[i] += source[row, i]
+    for row in range(rows):
+        if row + reach < rows:
+            for i in range(columns):
+                running[i] += source[row + reach, i]
+        for i in range(columns):
+            target[row, i] = running[i] * scale
+        if row - reach - 1 >= 0:
+            for i in range(columns):
+                target[row, i] += rest * scale * source[row - reach - 1, i]
+        if row + reach + 1 < rows:
+            for i in range(columns):
+                target[row, i] += rest * scale * source[row + reach + 1, i]
+        if row - reach >= 0:
+            for i in range(columns):
+                running[i] -= source[row - reach, i]
+
+
+@kernel
+def single_layer(perspective, kappa, missing, depth, tinted, filled, visible, layer, light):
+    """What the eye sees of the light in a layer, and the light behind it.
+
+    `kappa` is the optical depth of the cone's mean path over that of its axis: it gives the exact
+    value of a half-space (HC-83).
+    """
+    for row in range(missing.shape[0]):
+        for run in range(visible.count[layer, row]):
+            start = visible.start[layer, row, run]
+            slot = visible.slot[layer, row, run] - start
+            for column in range(start, visible.end[layer, row, run]):
+                oblique = eye_secant(perspective, row, column)
+                path = oblique * (
+                    depth[layer, row, index(column)] + kappa * tinted[layer, row, index(column)]
+                )
+                V = ONE - missing[row, index(column)]
+                light[index(slot + column)] = V * mean_transmitted(path)
+        for run in range(filled.count[layer, row]):
+            for column in range(filled.start[layer, row, run], filled.end[layer, row, run]):
+                oblique = eye_secant(perspective, row, column)
+                T = transmitted(kappa * oblique * tinted[layer, row, index(column)])
+                missing[row, index(column)] = ONE - (ONE - missing[row, index(column)]) * T
+
+
+@device
+def seen_light(missing, y, x):
+    """V between pixels, bilinear; 1 beyond the film."""
+    rows, columns = missing.shape
+    j, i = i32(math.floor(y)), i32(math.floor(x))
+    fy, fx = y - math.floor(y), x - math.floor(x)
+    total = ZERO
+    for b in range(2):
+        for a in range(2):
+            if 0 <= j + b < rows and 0 <= i + a < columns:
+                weight = (fy if b else ONE - fy) * (fx if a else ONE - fx)
+                total += weight * missing[j + b, i + a]
+    return ONE - f32(total)
+
+
+@kernel
+def published_read(missing, depth, visible, layer, light):
+    """Eye pass as published: the light at the fragment's own place, alpha = 1 - exp(-sigma_t d)."""
+    for row in range(missing.shape[0]):
+        for run in range(visible.count[layer, row]):
+            start = visible.start[layer, row, run]
+            slot = visible.slot[layer, row, run] - start
+            for column in range(start, visible.end[layer, row, run]):
+                a = depth[layer, row, column]
+                alpha = -math.expm1(-a)
+                light[slot + column] = (ONE - missing[row, column]) * (
+                    alpha / a if a > f32(1e-6) else ONE
+                )
+
+
+@kernel
+def published_update(missing, target, depth, layer, points, secants, exact, row_0, row_1):
+    """Occlusion pass as published: Algorithm 2 (`exact` distances) or 3, over a grid of samples.
+
+    `points` (n, 2) are offsets in rows and columns, `secants` (n,) their distance over the layer's
+    thickness.
+    """
+    n = len(secants)
+    for row in range(row_0, row_1):
+        for column in range(missing.shape[1]):
+            a = depth[layer, row, column]
+            total = ZERO
+            for k in range(n):
+                V = seen_light(missing, f32(row) + points[k, 0], f32(column) + points[k, 1])
+                total += V * math.exp(-a * secants[k]) if exact else V
+            total /= f32(n)
+            target[row, column] = ONE - (total if exact else total * math.exp(-a))

@@ -1,0 +1,200 @@
+"""Scene -> picture by directional occlusion."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from .. import checks, packed
+from ..material import Surface
+from ..pack import f32, vector
+from ..phases import Isotropic
+from ..plan import Plan, plan
+from ..scene import Scene
+from ..schedule import Progress, default_threads
+from ..screen import Display
+from .ambient import ambient_radiance
+from .beams import beams_of
+from .explain import effects_of
+from .medium import OPAQUE, Filling, integrals_of
+from .picture import OcclusionPicture
+from .raster import Raster, raster_of
+from .resolve import resolve
+from .settings import Occlusion
+from .single import Blurred, Published
+from .sweep import Light, Sweep
+from .traced import Traced
+
+# At detail 1: size of the raster's pixels and thickness of slices, in voxels
+PIXEL, LAYER = 0.75, 0.55
+# Pixels of a refined raster
+MOST_PIXELS, MOST_FINE = 2**23, 8
+
+
+def render_occlusion(
+    scene: Scene,
+    occlusion: Occlusion | None = None,
+    *,
+    threads: int | None = None,
+    display: Display | None = None,
+    progress: Callable[[Progress], object] | None = None,
+    abort: Callable[[], bool] | None = None,
+    recipe: dict[str, Any] | None = None,
+) -> OcclusionPicture:
+    """Render a scene by directional occlusion shading.
+
+    Parameters
+    ----------
+    scene : Scene
+        Volume, transfer function, camera, film, normals among `aovs`; of its lights only how much
+        they give.
+    occlusion : Occlusion, optional
+    threads : int, optional
+        >= 1; changes no bit. Default: all CPUs that the process may use.
+    display : Display, optional
+    progress, abort : callable, optional
+        As for `vtkmcvr.render_scene`, after each block of layers.
+    recipe : dict, optional
+        Kept with the picture.
+
+    Returns
+    -------
+    OcclusionPicture
+
+    Raises
+    ------
+    ValueError
+        For a panorama or two eyes on one film, which have no view axis.
+    """
+    occlusion = occlusion or Occlusion()
+    threads = default_threads() if threads is None else checks.whole("threads", threads, least=1)
+    _check_camera(scene)
+    begin = perf_counter()
+    planned, raster, fine = layout(scene, occlusion)
+    width, height = planned.scene.size
+    film = packed.OcclusionFilm(
+        np.zeros((height, width, 3), f32), np.zeros((height, width), f32),
+        np.zeros((height, width), f32),
+        np.zeros((height, width, 3), f32) if "normal" in scene.aovs else None,
+    )  # fmt: skip
+    sweep = Sweep(
+        raster, _filling(planned, occlusion), _light(scene, raster, occlusion),
+        _shade(scene, planned, occlusion), film,
+    )  # fmt: skip
+
+    def report(fraction: float) -> None:
+        if progress is not None:
+            progress(Progress(fraction, 1, perf_counter() - begin))
+
+    ended = sweep.run(threads, report, abort)
+    radiance = ambient_radiance(scene) if occlusion.radiance is None else occlusion.radiance
+    film.radiance[:] *= np.asarray(radiance, f32)
+    planes = resolve(film, fine, scene.pixel_filter)
+    effects, notes = effects_of(scene, planned, occlusion, raster, fine)
+    return OcclusionPicture(
+        planes, replace(planned, scene=scene, effects=effects, notes=notes), occlusion,
+        display or Display(), perf_counter() - begin, "end" if ended else "user", threads,
+        sweep.work, recipe=recipe or {},
+    )  # fmt: skip
+
+
+def _check_camera(scene: Scene) -> None:
+    camera = scene.camera
+    if camera.panorama:
+        raise ValueError("a panorama has no slices across a view axis: use a perspective camera")
+    if camera.stereo is not None and camera.stereo.eyes == "both":
+        raise ValueError(
+            "occlusion renders one eye at a time: Stereo(eyes='left'), then Stereo(eyes='right')"
+        )
+
+
+def layout(scene: Scene, occlusion: Occlusion) -> tuple[Plan, Raster, int]:
+    """Plan of the raster's film, raster, and how many of its pixels make one of the film's side."""
+    camera = replace(scene.camera, lens=None)
+    surface = scene.surface if occlusion.shaded else None
+    if surface is None and (occlusion.shaded or "normal" in scene.aovs):
+        surface = Surface(mode="brdf", specular=0.0)
+    bare = replace(scene, camera=camera, lights=(), surface=surface, phase=Isotropic(), **PLAIN)
+    planned = plan(bare)
+    spacing = scene.volume.spacing
+    voxel = min(float(np.prod(spacing)) ** (1 / 3), 2 * float(spacing.min()))
+    layer = LAYER * voxel / occlusion.detail
+    raster = raster_of(planned, layer)
+    if occlusion.slices is not None and raster.count:
+        layer = (raster.far - raster.near) / occlusion.slices
+    fine = _refinement(scene, raster, voxel / occlusion.detail)
+    if occlusion.mode == "paper":
+        fine = 1
+    if fine > 1:
+        width, height = scene.size
+        planned = plan(replace(bare, size=(width * fine, height * fine)))
+    return planned, raster_of(planned, layer), fine
+
+
+# Parts of a scene that only Monte Carlo has
+PLAIN: dict[str, Any] = {"scattering": "single", "max_scatterings": None, "aovs": ()}
+
+
+def _refinement(scene: Scene, raster: Raster, voxel: float) -> int:
+    """How many times finer than the film's the raster's pixels are."""
+    pixel = raster.pitch
+    if not raster.parallel:
+        pixel *= (raster.near + raster.far) / 2
+    width, height = scene.size
+    most = max(1, math.isqrt(MOST_PIXELS // (width * height)))
+    return int(np.clip(math.ceil(pixel / (PIXEL * voxel) - 0.1), 1, min(most, MOST_FINE)))
+
+
+def _filling(planned: Plan, occlusion: Occlusion) -> Filling:
+    transfer = planned.packed.transfer
+    return Filling(
+        planned.packed.medium, transfer, integrals_of(transfer), occlusion.bleeding or None,
+        OPAQUE if occlusion.skip else 0.0, occlusion.skip,
+    )  # fmt: skip
+
+
+def _light(scene: Scene, raster: Raster, occlusion: Occlusion) -> Light:
+    half_angle = math.radians(occlusion.half_angle)
+    colours = 3 if occlusion.bleeding else 1
+    if occlusion.mode == "paper":
+        return Published(raster, half_angle, occlusion.grid, occlusion.exact_distance)
+    if occlusion.mode == "fast":
+        reach = occlusion.blur_reach or 2 * float(np.prod(scene.volume.spacing)) ** (1 / 3)
+        return Blurred(raster, half_angle, reach, colours)
+    return Traced(
+        raster, beams_of(raster, half_angle, occlusion.directions, _axis(scene, occlusion)), colours
+    )
+
+
+def _axis(scene: Scene, occlusion: Occlusion) -> tuple[float, float, float] | None:
+    """Axis of the cone along columns, rows, and toward the viewer."""
+    if occlusion.toward_light is None:
+        return None
+    right, up, forward = scene.camera.frame
+    x, y, z = np.array([right, -up, -forward]) @ np.array(occlusion.toward_light)
+    if z <= math.sin(math.radians(5)):
+        raise ValueError(
+            "toward_light must point to the viewer's side, at least 5 degrees out of the picture's "
+            f"plane; {occlusion.toward_light} points {math.degrees(math.asin(z)):.0f} degrees out"
+        )
+    return float(x), float(y), float(z)
+
+
+def _shade(scene: Scene, planned: Plan, occlusion: Occlusion) -> packed.Shade | None:
+    surface, gloss = planned.packed.surface, planned.packed.gloss
+    if surface is None or not (occlusion.shaded or "normal" in scene.aovs):
+        return None
+    right, up, forward = scene.camera.frame
+    toward = occlusion.toward_light
+    black = (f32(0), f32(0), f32(0))
+    return packed.Shade(
+        surface, vector(-forward if toward is None else np.array(toward)),
+        np.bool_(toward is None), vector(right), vector(-up), vector(forward),
+        black if gloss is None else gloss.specular, f32(1) if gloss is None else gloss.exponent,
+        f32(occlusion.shaded),
+    )  # fmt: skip
