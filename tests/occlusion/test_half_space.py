@@ -104,8 +104,9 @@ def test_thin_media_add_up_over_thousands_of_slices():
 
 
 def test_penumbra_of_a_half_plane_has_the_cones_width():
-    # An opaque half-plane at z < 0, two voxels thick and 14.5 (its back) to 16.5 voxels in front of
-    # a thin receiver; the part of the receiver that the eye sees is at z > 0
+    # An opaque half-plane at z < 1, 15 to 18 voxels in front of a thin receiver, of which the eye
+    # sees the part at z > 1. Rays that lean over the plane sink on their way: its front face, at
+    # 18, is what they must clear
     n, theta = 97, 50.0
     values = np.zeros((n, 41, n), np.float32)
     values[: n // 2 + 1, 8:10, :] = 50.0
@@ -119,7 +120,7 @@ def test_penumbra_of_a_half_plane_has_the_cones_width():
     # Exact share of the cone's solid angle that passes the edge, by quadrature
     c = 1 - (np.arange(400) + 0.5) / 400 * (1 - math.cos(math.radians(theta)))
     turn = np.cos((np.arange(400) + 0.5) / 400 * 2 * math.pi)
-    reach = 15.0 * np.sqrt(1 / c**2 - 1)[:, None] * turn
+    reach = 18.0 * np.sqrt(1 / c**2 - 1)[:, None] * turn
     exact = np.array([(reach > 1 - x).mean() for x in z[seen]])
     # From 60 to 95 %: the widths agree within 10 %
     found, expected = (np.interp((-0.95, -0.6), -light_, z[seen]) for light_ in (light, exact))
