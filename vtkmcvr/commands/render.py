@@ -95,7 +95,7 @@ def make_picture(data: Any, args: argparse.Namespace, *, explain: bool = False) 
     return 0
 
 
-def picture_of(data: Any, args: argparse.Namespace) -> Picture:
+def picture_of(data: Any, args: argparse.Namespace) -> Picture | OcclusionPicture:
     """Render as the arguments say."""
     from ..front import BACKDROP, render
 
