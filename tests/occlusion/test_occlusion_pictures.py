@@ -7,6 +7,7 @@ import pytest
 from occlusion_scenes import block, frontal, half_space_scene, medium
 from scenes import BOX, blob, noise, scene, volume
 
+from vtkmcvr import Plane, PlaneReceiver
 from vtkmcvr.lights import ConstantEnvironment
 from vtkmcvr.occlusion import Occlusion, render_occlusion
 from vtkmcvr.phases import Cone
@@ -279,3 +280,18 @@ def test_cameras_without_a_view_axis_are_refused():
         render_occlusion(replace(lit, camera=eyes))
     one = replace(eyes, stereo=Stereo("left"))
     assert render_occlusion(replace(lit, camera=one)).alpha.max() > 0.5
+
+
+@pytest.mark.parametrize(
+    "part",
+    [
+        {"clip": (Plane((0, 0, 0), (0, 1, 0)),)},
+        {"mask": np.ones((17, 17, 17), bool)},
+        {"receivers": (PlaneReceiver((0, 0, -1), (0, 0, 1)),)},
+    ],
+    ids=lambda part: next(iter(part)),
+)
+def test_parts_that_slices_do_not_know_are_refused(part):
+    lit = scene(blob(), medium(3.0), size=(16, 8), **part)
+    with pytest.raises(ValueError, match=f"does not know {next(iter(part))} yet"):
+        render_occlusion(lit)

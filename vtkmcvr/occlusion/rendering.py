@@ -32,6 +32,8 @@ from .traced import Traced
 
 # At detail 1: size of the raster's pixels and thickness of slices, in voxels
 PIXEL, LAYER = 0.75, 0.55
+# Parts of a scene that slices do not know
+UNKNOWN = ("clip", "crop", "labels", "receivers", "layers")
 # Pixels of a refined raster
 MOST_PIXELS, MOST_FINE = 2**23, 8
 
@@ -69,11 +71,13 @@ def render_occlusion(
     Raises
     ------
     ValueError
-        For a panorama or two eyes on one film, which have no view axis.
+        For a panorama or two eyes on one film, which have no view axis; for cuts, masks, labels,
+        receivers and further volumes, which slices do not know.
     """
     occlusion = occlusion or Occlusion()
     threads = default_threads() if threads is None else checks.whole("threads", threads, least=1)
     _check_camera(scene)
+    _check_parts(scene)
     begin = perf_counter()
     planned, raster, fine = layout(scene, occlusion)
     width, height = planned.scene.size
@@ -110,6 +114,18 @@ def _check_camera(scene: Scene) -> None:
     if camera.stereo is not None and camera.stereo.eyes == "both":
         raise ValueError(
             "occlusion renders one eye at a time: Stereo(eyes='left'), then Stereo(eyes='right')"
+        )
+
+
+def _check_parts(scene: Scene) -> None:
+    """Refuse what slices would leave out in silence."""
+    there = [name for name in UNKNOWN if getattr(scene, name) not in (None, ())]
+    if scene.mask is not None:
+        there.append("mask")
+    if there:
+        raise ValueError(
+            f"technique occlusion does not know {', '.join(there)} yet: leave them out, or use "
+            "technique monte-carlo"
         )
 
 
