@@ -262,6 +262,17 @@ def test_surfaces_happen_with_their_probability(x, m, g):
     np.testing.assert_allclose(normal, (-1, 0, 0), atol=1e-6)
 
 
+def test_opacity_modulation_can_be_left_out():
+    transfer = TransferFunction(Curve([(0, 0.1)]), WHITE)
+    surface = Surface(0.3, opacity_modulated=False)
+    parts = plan(scene(two_slopes(), transfer, frontal(), surface=surface)).packed
+    n, p = 50_000, -math.expm1(-25 * 0.3**3)
+    place, sigma_t = (f32(8.3), f32(2.2), f32(1.7)), f32(-math.log1p(-0.1))
+    count, _ = surface_share(parts.surface, parts.medium, place, sigma_t, direction(30, 180), n)
+    # 4.5 binomial standard errors, as above
+    assert abs(count - n * p) < 4.5 * math.sqrt(n * p * (1 - p))
+
+
 def test_no_surface_without_a_gradient():
     values = two_slopes().values.copy()
     values[:, :, :8] = 0

@@ -10,9 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from scenes import WHITE, blob, frontal, medium, render, scene, volume, z_score
+from scenes import WHITE, blob, frontal, medium, noise, render, scene, volume, z_score
 
-from vtkmcvr import packed
+from vtkmcvr import film_error, packed
 from vtkmcvr.curves import ColourCurve, Curve
 from vtkmcvr.lights import ConstantEnvironment, DirectionalLight
 from vtkmcvr.plan import plan
@@ -159,3 +159,15 @@ def test_albedo_of_points_colours_the_picture():
     b = render(scene(by_point, medium(5.0, 1.0), lights=SUN), samples=8)
     np.testing.assert_allclose(a.radiance, b.radiance, atol=1e-3)
     assert np.abs(a.radiance[..., 0] - a.radiance[..., 1]).max() > 0.05
+
+
+def test_noise_in_the_data_is_less_noise_in_the_picture_by_a_lower_gradient_factor():
+    # HC-18: normals of noise point anywhere, so that light reaches a random part of them
+    spread = []
+    for g in (0.2, 0.5, 1.0):
+        picture = render(
+            scene(noise(), medium(6.0, 0.7), lights=SUN, surface=Surface(g, specular=0.25)), 64
+        )
+        variance = film_error.variance(picture.film)[..., 1].sum()
+        spread.append(variance / picture.film.mean[..., 1].mean() ** 2)
+    assert spread[0] < 0.8 * spread[1] < 0.8 * spread[2]

@@ -103,6 +103,23 @@ def test_unshadowed_lambert_surface_reflects_its_colour():
     assert np.abs(picture.radiance - picture.alpha[..., None] * colour).max() < 1e-5
 
 
+def test_red_light_on_what_is_green_gives_black():
+    # HC-40: products of linear RGB; those of XYZ give (0.24, 0.14, -0.02)
+    red, green = (ConstantEnvironment((1.0, 0.0, 0.0)),), medium(2.0, (0.0, 1.0, 0.0))
+    picture = render(
+        scene(noise(), green, lights=red, phase=HenyeyGreenstein(0.5), shadow_reach=0), samples=4
+    )
+    assert picture.alpha.mean() > 0.3
+    assert not picture.radiance.any()
+
+
+def test_without_lights_the_medium_is_black_and_there():
+    # HC-46
+    picture = render(scene(slab((2, 2, 2)), medium(3.0), frontal(0.9)), samples=4)
+    assert picture.alpha.mean() > 0.9
+    assert not picture.radiance.any()
+
+
 def test_shadow_reach_limits_attenuation():
     # A reach beyond the volume is no limit; half of it lies between no shadows and full ones
     def mean(reach):
