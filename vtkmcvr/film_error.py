@@ -46,7 +46,7 @@ def smooth_variance(film: packed.Film) -> Plane:
     if film.batches is not None and bool((_batches(film) > 1).all()):
         squares, freedom, size = film.batches.m2, _batches(film) - 1, n / packed.BATCH
     pooled = _box_sum(np.maximum(freedom, 0).astype(np.float64))
-    known = (pooled > 0)[..., None] & (n > 0)[..., None]
+    known = (pooled > 0)[..., None] & (n > 1)[..., None]
     spread = np.stack([_box_sum(squares[..., c]) for c in range(3)], axis=-1)
     mean_square = spread / np.maximum(pooled, 1)[..., None]
     return np.where(known, mean_square / np.maximum(size, 1)[..., None], np.inf)

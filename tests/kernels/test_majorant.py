@@ -175,7 +175,7 @@ def test_empty_cells_know_the_empty_cube_around_them():
 def test_edit_of_the_transfer_function_reads_no_voxel(monkeypatch):
     calls = []
     prepare = vtkmcvr.voxels._prepare
-    monkeypatch.setattr(vtkmcvr.voxels, "_prepare", lambda raw: calls.append(1) or prepare(raw))
+    monkeypatch.setattr(vtkmcvr.voxels, "_prepare", lambda *raw: calls.append(1) or prepare(*raw))
     vol = volume(np.random.default_rng(2).random((9, 9, 9), np.float32))
     majorants = [plan(scene(vol, medium(s))).packed.medium.majorant.max() for s in (1, 2, 3)]
     assert len(calls) == 1
