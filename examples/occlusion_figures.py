@@ -1,14 +1,13 @@
-"""Figures 2 and 5 of "Directional Occlusion Shading" (2009), on any volume.
+"""Figures 2 and 5 of "Directional Occlusion Shading" (2009), of any volume or the synthetic head.
 
-python examples/occlusion_figures.py VOLUME [FOLDER] [SIZE]
+python examples/occlusion_figures.py OUT.png [VOLUME] [SIZE]
 
-figure_2.png: isotropic Monte Carlo, Monte Carlo with an 80-degree cone, directional occlusion.
-figure_5.png: theta 50 (above) and 85 (below); paper mode with 2 x 2 and 13 x 13 samples, default.
+Top row, as figure 2: isotropic Monte Carlo, Monte Carlo with an 80-degree cone, occlusion. Below,
+as figure 5: theta 50, then 85; paper mode with 2 x 2 and with 13 x 13 samples, default mode.
 """
 
 import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
@@ -17,37 +16,27 @@ from vtkmcvr.phases import Cone, Isotropic
 from vtkmcvr.picture_files import write_png
 
 SKY = (vtkmcvr.ConstantEnvironment(1.0),)
+WHITE = vtkmcvr.Display(exposure=0.5, background=(1.0, 1.0, 1.0))
 
 
-def main(volume: str, folder: str = ".", size: str = "320") -> None:
+def main(out: str, path: str | None = None, size: str = "96") -> None:
+    volume = vtkmcvr.Volume.from_grid(*vtkmcvr.head_phantom(64)) if path is None else None
+    data = volume or vtkmcvr.read(path)
     pixels = int(size)
-    dressed = vtkmcvr.scene_of(
-        vtkmcvr.read(volume), size=(pixels, pixels), lights=SKY, surface=None
-    )
-    scene = dressed.scene
-    white = vtkmcvr.Display(exposure=0.5, background=(1.0, 1.0, 1.0))
+    scene = vtkmcvr.scene_of(data, size=(pixels, pixels), lights=SKY, surface=None).scene
 
     def occlusion(theta, mode="default", **settings):
         chosen = vtkmcvr.Occlusion(theta, mode, **settings)
-        return vtkmcvr.render_occlusion(scene, chosen).show(white)
+        return vtkmcvr.render_occlusion(scene, chosen).show(WHITE)
 
     def traced(phase):
-        lit = replace(scene, phase=phase)
-        return vtkmcvr.render_scene(lit, samples=128).show(white)
+        return vtkmcvr.render_scene(replace(scene, phase=phase), samples=128).show(WHITE)
 
-    figure_2 = [traced(Isotropic()), traced(Cone(80)), occlusion(80)]
-    write_png(Path(folder, "figure_2.png"), np.hstack(figure_2))
-    figure_5 = [
-        np.hstack(
-            [
-                occlusion(theta, "paper", grid=2),
-                occlusion(theta, "paper", grid=13),
-                occlusion(theta),
-            ]
-        )
-        for theta in (50, 85)
-    ]
-    write_png(Path(folder, "figure_5.png"), np.vstack(figure_5))
+    rows = [[traced(Isotropic()), traced(Cone(80)), occlusion(80)]]
+    for theta in (50, 85):
+        coarse, fine = (occlusion(theta, "paper", grid=n) for n in (2, 13))
+        rows.append([coarse, fine, occlusion(theta)])
+    write_png(out, np.vstack([np.hstack(row) for row in rows]))
 
 
 if __name__ == "__main__":
