@@ -47,7 +47,12 @@ HEAD = Subject(
     "scivis/cthead/CThead.nhdr", "k", "ct-bone", View(azimuth=-28, zoom=1.42), WITHOUT_HEADREST
 )
 ENGINE = Subject("scivis/engine.nhdr", None, "solid", View(azimuth=-35, elevation=24, zoom=0.9))
-FACE = replace(HEAD, preset="ct-skin", view=View(azimuth=32, zoom=1.55))
+WITHOUT_CUSHION = (
+    vtkmcvr.Plane((0, 190, 0), (0, -1, 0)),
+    vtkmcvr.Plane((186, 0, 0), (-1, 0, 0)),
+    vtkmcvr.Plane((22, 0, 0), (1, 0, 0)),
+)
+FACE = replace(HEAD, preset="ct-skin", view=View(azimuth=26, zoom=1.5), clip=WITHOUT_CUSHION)
 SKULL = replace(HEAD, view=View(azimuth=38, elevation=4, zoom=1.45))
 BRAIN = Subject("nifti/MR_Gd.nii.gz", None, "mr-head", View(azimuth=-60, elevation=15, zoom=1.4))
 
