@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from vtkmcvr import checks
+from vtkmcvr import backends, checks
 from vtkmcvr.picture import Picture
 from vtkmcvr.rendering import render_scene
 from vtkmcvr.scene import Scene
@@ -39,14 +39,18 @@ class MonteCarloFilter(PictureFilter):
     seed = Parameter(
         0, lambda v: checks.whole("seed", v, least=0), "Same seed, same picture; >= 0."
     )
+    backend = Parameter(
+        "auto", backends.checked,
+        '"auto": a CUDA device where there is one, else the CPU; "cpu"; "cuda".',
+    )  # fmt: skip
 
     def settings(self) -> tuple[Any, ...]:
         """Return what decides the picture beside the scene."""
-        return self.samples, self.seconds, self.seed
+        return self.samples, self.seconds, self.seed, self.backend
 
     def render(self, scene: Scene) -> Picture:
         """Return the picture of a scene."""
         return render_scene(
             scene, samples=self.samples, seconds=self.seconds, seed=self.seed,
-            threads=self.threads, progress=self.report, abort=self.aborted,
+            threads=self.threads, backend=self.backend, progress=self.report, abort=self.aborted,
         )  # fmt: skip

@@ -6,7 +6,7 @@ from compiled import compiled
 from scenes import noise, render, scene
 
 from vtkmcvr import film, film_error, packed
-from vtkmcvr.kernels.cpu import accumulate
+from vtkmcvr.kernels.sample import accumulate
 from vtkmcvr.lights import ConstantEnvironment
 
 f32 = np.float32

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from . import __version__, checks
+from . import __version__, backends, checks
 from .lights import Light
 from .occlusion import Occlusion, OcclusionPicture, render_occlusion
 from .picture import Display, Picture
@@ -111,6 +111,7 @@ def render(
     nrms: float | None = None,
     seed: int = 0,
     threads: int | None = None,
+    backend: str = "auto",
     exposure: float | None = None,
     background: tuple[float, float, float] | None = BACKDROP,
     progress: Callable[[Progress], object] | None = None,
@@ -136,6 +137,8 @@ def render(
         The same seed gives the same bits on any number of threads.
     threads : int, optional
         Default: all CPUs that the process may use.
+    backend : {"auto", "cpu", "cuda"}
+        "auto": a CUDA device where there is one and numba-cuda is installed, else the CPU.
     exposure : float, optional
         Stops. Default: the look's.
     background : (r, g, b) or None
@@ -163,6 +166,7 @@ def render(
     display = Display(dressed.exposure if exposure is None else exposure, background)
     if technique == "occlusion":
         _check_unused(samples, seconds, nrms)
+        backends.check_unused(backend, technique)
         result = render_occlusion(
             dressed.scene, occlusion, threads=threads, display=display, progress=progress,
             abort=abort,
@@ -172,7 +176,7 @@ def render(
         raise ValueError('occlusion=... needs technique="occlusion"')
     picture = render_scene(
         dressed.scene, samples=samples, seconds=seconds, nrms=nrms, seed=seed, threads=threads,
-        display=display, progress=progress, abort=abort,
+        backend=backend, display=display, progress=progress, abort=abort,
     )  # fmt: skip
     return replace(picture, recipe=_recipe(picture, dressed, samples, seconds, nrms))
 

@@ -45,6 +45,10 @@ class Picture:
         "samples", "seconds", "nrms", "dark" (no path has found light) or "user".
     recipe : dict
         What the front door was asked for. A saved picture says more: see `vtkmcvr.recipe`.
+    backend : str
+        "cpu" or "cuda".
+    device : str
+        Name of the CUDA device; "" for the CPU.
     """
 
     film: packed.Film
@@ -55,6 +59,8 @@ class Picture:
     seed: int
     threads: int
     recipe: dict[str, Any] = field(default_factory=dict)
+    backend: str = "cpu"
+    device: str = ""
 
     @property
     def radiance(self) -> NDArray[np.float32]:
@@ -118,6 +124,11 @@ class Picture:
     def paths_per_second(self) -> float:
         """Camera paths per second of rendering."""
         return float(self.film.count.sum()) / self.seconds if self.seconds > 0 else 0.0
+
+    @property
+    def rendered_on(self) -> str:
+        """CPU threads or device, in words."""
+        return f"{self.threads} threads" if self.backend == "cpu" else f"CUDA ({self.device})"
 
     @property
     def rgba(self) -> NDArray[np.uint8]:
@@ -200,6 +211,8 @@ class Picture:
             "rejected": self.rejected,
             "seed": self.seed,
             "threads": self.threads,
+            "backend": self.backend,
+            "device": self.device,
             "size": list(self.size),
         }
 

@@ -37,6 +37,7 @@ def recipe_of(picture: Picture) -> dict[str, Any]:
             "seconds": picture.seconds,
             "nrms": picture.nrms if np.isfinite(picture.nrms) else None,
             "stopped_by": picture.stopped_by,
+            "device": picture.device,
         },
         "replay": _replay(picture),
     }
@@ -52,6 +53,7 @@ def _replay(picture: Picture) -> dict[str, Any]:
         "version": __version__,
         "scene": scene,
         "seed": picture.seed,
+        "backend": picture.backend,
         "samples": plain_counts(picture.film.count),
         "display": dataclasses.asdict(picture.display),
         "denoised": picture.denoiser,

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
-from . import checks, packed, schedule
+from . import backends, checks, packed, schedule
 from .film import copy_film, new_film
 from .picture import Display, Picture
 from .plan import Plan, plan
@@ -23,6 +24,7 @@ def render_scene(
     nrms: float | None = None,
     seed: int = 0,
     threads: int | None = None,
+    backend: str = "auto",
     display: Display | None = None,
     progress: Callable[[Progress], object] | None = None,
     abort: Callable[[], bool] | None = None,
@@ -43,6 +45,9 @@ def render_scene(
         >= 0. The same seed gives the same bits for any number of threads.
     threads : int, optional
         >= 1. Default: all CPUs that the process may use.
+    backend : {"auto", "cpu", "cuda"}
+        "auto": a CUDA device where there is one and numba-cuda is installed, else the CPU. Their
+        pictures differ by roundings.
     display : Display, optional
         Exposure and background of the display picture.
     progress : callable, optional
@@ -65,10 +70,16 @@ def render_scene(
     )
     planned = scene if isinstance(scene, Plan) else plan(scene)
     film = empty_film(planned)
-    stopped_by, spent = schedule.run(planned.packed, film, rules, seed, threads, progress)
+    done = backends.run(backend, planned.packed, film, rules, seed, threads, progress)
     return Picture(
-        film, planned, display or Display(), spent, stopped_by, seed, threads, recipe or {}
-    )
+        done.film, noted(planned, done.note), display or Display(), done.seconds, done.stopped_by,
+        seed, threads, recipe or {}, done.backend, done.device,
+    )  # fmt: skip
+
+
+def noted(planned: Plan, note: str) -> Plan:
+    """Plan with one more note, where there is any."""
+    return replace(planned, notes=(*planned.notes, note)) if note else planned
 
 
 def empty_film(planned: Plan) -> packed.Film:
@@ -87,12 +98,13 @@ def continue_picture(
     """A picture with more samples; the one given stays as it is."""
     rules = _rules(samples, seconds, nrms, abort)
     film = copy_film(picture.film)
-    stopped_by, spent = schedule.run(
-        picture.plan.packed, film, rules, picture.seed, picture.threads, progress
+    backend = "auto" if picture.backend == "cuda" else "cpu"
+    done = backends.run(
+        backend, picture.plan.packed, film, rules, picture.seed, picture.threads, progress
     )
     return Picture(
-        film, picture.plan, picture.display, picture.seconds + spent, stopped_by,
-        picture.seed, picture.threads, picture.recipe,
+        done.film, noted(picture.plan, done.note), picture.display, picture.seconds + done.seconds,
+        done.stopped_by, picture.seed, picture.threads, picture.recipe, done.backend, done.device,
     )  # fmt: skip
 
 

@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 import os
-import time
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from . import __version__, checks, packed, schedule
+from . import __version__, backends, checks, schedule
 from .content_hash import content_hash
 from .deserialise import MissingArray, from_plain
 from .picture import Display, Picture
 from .plan import Plan, plan
 from .recipe import FORMAT, counts_of, film_hash
 from .recipe_files import read_recipe
-from .rendering import empty_film
+from .rendering import empty_film, noted
 from .scene import Scene
 from .schedule import Progress, StopRules
 from .volume import Volume
@@ -78,22 +77,27 @@ def replay(
     seed = checks.whole("the recipe's seed", part.get("seed"), least=0)
     counts = counts_of(part.get("samples"), planned.scene.size)
     threads = threads or schedule.default_threads()
-    film = empty_film(planned)
-    start = time.perf_counter()
     rules = StopRules(int(counts.min()), None, abort)
-    stopped_by, _ = schedule.run(planned.packed, film, rules, seed, threads, progress)
-    if stopped_by == "samples":
-        schedule.fill_up(planned.packed, film, counts, seed)
+    # Bits are those of the backend; the other one's picture is better than none
+    backend = "auto" if part.get("backend") == "cuda" else "cpu"
+    film = empty_film(planned)
+    done = backends.run(
+        backend, planned.packed, film, rules, seed, threads, progress, counts
+    )
     picture = Picture(
-        film, planned, Display(), time.perf_counter() - start, stopped_by, seed, threads,
+        done.film, noted(planned, done.note), Display(), done.seconds, done.stopped_by, seed,
+        threads,
         {name: value for name, value in recipe.items() if name not in ("measured", "replay")},
+        done.backend, done.device,
     )  # fmt: skip
-    return Replayed(_shown(picture, part), *_verdict(film, part))
+    return Replayed(_shown(picture, part), *_verdict(picture, part))
 
 
-def _verdict(film: packed.Film, part: dict[str, Any]) -> tuple[bool, tuple[str, ...]]:
-    identical = film_hash(film) == part.get("film")
+def _verdict(picture: Picture, part: dict[str, Any]) -> tuple[bool, tuple[str, ...]]:
+    identical = film_hash(picture.film) == part.get("film")
     notes = []
+    if picture.backend != part.get("backend", "cpu"):
+        notes.append("made by CUDA, replayed by the CPU, whose roundings differ")
     if part.get("version") != __version__:
         notes.append(f"made by vtkmcvr {part.get('version')}, replayed by {__version__}")
     if not identical:

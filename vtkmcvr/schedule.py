@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -85,8 +86,8 @@ def run(
     progress: Callable[[Progress], object] | None = None,
 ) -> tuple[str, float]:
     """Add samples to the film until a rule is met. Returns (which rule, seconds of rendering)."""
-    _compile(film, scene, seed)
-    runner = _Runner(scene, film, rules, seed, threads, progress)
+    compiling(lambda: render_tile(film, scene, 0, 0, 0, 0, 0, np.int64(seed)))
+    runner = Runner(scene, film, rules, seed, threads, progress)
     with ThreadPoolExecutor(threads, thread_name_prefix="vtkmcvr") as pool:
         stopped_by = runner.run(pool)
     return stopped_by, time.perf_counter() - runner.start
@@ -110,19 +111,19 @@ def default_threads() -> int:
     return os.cpu_count() or 1
 
 
-def _compile(film: packed.Film, scene: packed.Scene, seed: int) -> None:
-    """Compile, or load from the cache, for this structure of scene; say so when it takes long."""
+def compiling(launch: Callable[[], object]) -> None:
+    """Call what compiles, or loads from the cache; say so when it takes long."""
     message = "compiling the kernels for this scene's effects (once; they are cached on disk)"
     timer = threading.Timer(COMPILE_MESSAGE_AFTER, logger.warning, [message])
     timer.daemon = True
     timer.start()
     try:
-        render_tile(film, scene, 0, 0, 0, 0, 0, np.int64(seed))
+        launch()
     finally:
         timer.cancel()
 
 
-class _Runner:
+class Runner:
     """One render: passes over all pixels, each a list of tiles."""
 
     def __init__(
@@ -144,8 +145,8 @@ class _Runner:
         self.stopped_by = ""
         self.start = time.perf_counter()
 
-    def run(self, pool: ThreadPoolExecutor) -> str:
-        """Pass after pass until a rule is met."""
+    def run(self, pool: Any) -> str:
+        """Pass after pass until a rule is met; `pool` does the work."""
         done = self.first
         while done < self.goal:
             target = self._next_target(done)
@@ -192,7 +193,7 @@ class _Runner:
         elif not self.error.bright and paths >= DARK_PATHS:
             self.stopped_by = "dark"
 
-    def _pass(self, pool: ThreadPoolExecutor, target: int) -> None:
+    def _pass(self, pool: Any, target: int) -> None:
         tiles = iter(list(self._tiles(target)))
         lock = threading.Lock()
         jobs = [pool.submit(self._work, tiles, lock, target) for _ in range(self.threads)]

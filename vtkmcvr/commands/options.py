@@ -47,6 +47,8 @@ def add_render_options(parser: argparse.ArgumentParser) -> None:
     add("--seconds", type=float, help="time to render; the first limit that is met ends the render")
     add("--nrms", type=float, help="error to reach, such as 0.02")
     add("--seed", type=int, default=0)
+    add("--backend", choices=("auto", "cpu", "cuda"), default="auto",
+        help="who renders; auto: a CUDA device where there is one")  # fmt: skip
     add("--exposure", type=float, help="stops; default: the look's")
     add(
         "--background",

@@ -106,7 +106,7 @@ def picture_of(data: Any, args: argparse.Namespace) -> Picture | OcclusionPictur
     with stop, Bar(args.quiet) as bar:
         picture = render(
             data, samples=args.samples, seconds=args.seconds, nrms=args.nrms, seed=args.seed,
-            threads=args.threads, exposure=args.exposure, background=background, progress=bar,
+            threads=args.threads, backend=args.backend, exposure=args.exposure, background=background, progress=bar,
             abort=stop.is_set, **occlusion_options(args), **options,
         )  # fmt: skip
     return picture.denoised(args.denoise) if args.denoise else picture
@@ -157,6 +157,6 @@ def _cost(picture: Picture | OcclusionPicture) -> str:
         error = f"denoised by {picture.denoiser['method']}, error not known"
     return (
         f"{width} x {height}, {picture.samples} samples per pixel in {picture.seconds:.2f} s on "
-        f"{picture.threads} threads ({picture.paths_per_second / 1e6:.2f} M paths/s), "
+        f"{picture.rendered_on} ({picture.paths_per_second / 1e6:.2f} M paths/s), "
         f"stopped by {picture.stopped_by}; {error}"
     )

@@ -1,74 +1,13 @@
 """CPU launcher: one tile, serial, without the GIL."""
 
-import math
-
-import numpy as np
-
-from ..packed import BATCH
-from .camera import camera_ray
-from .jit import device, kernel
-from .path import radiance
-from .rng import start_path
-
-
-@device
-def close_batch(batches, row, column, n, mean):
-    """Update the moments of the batch means where sample n ends a batch.
-
-    The mean of all samples is that of all batch means, so that its step at the end of batch k,
-    times k, is the deviation of batch k from the mean before it (Welford 1962).
-    """
-    if batches is None:
-        return
-    k = n // BATCH
-    if k * BATCH != n:
-        return
-    for c in range(3):
-        step = mean[row, column, c] - batches.mean[row, column, c]
-        batches.mean[row, column, c] = mean[row, column, c]
-        batches.m2[row, column, c] += k * (k - 1.0) * step * step
-
-
-@device
-def accumulate(film, row, column, L, hit, depth):
-    """Update the running moments of a pixel by one sample (Welford 1962)."""
-    n = film.count[row, column] + 1
-    film.count[row, column] = n
-    if not (math.isfinite(L[0]) and math.isfinite(L[1]) and math.isfinite(L[2])):
-        film.rejected[row, column] += 1
-        L = (np.float32(0.0), np.float32(0.0), np.float32(0.0))
-    weight = 1.0 / n
-    for c in range(3):
-        delta = L[c] - film.mean[row, column, c]
-        film.mean[row, column, c] += delta * weight
-        film.m2[row, column, c] += delta * (L[c] - film.mean[row, column, c])
-    close_batch(film.batches, row, column, n, film.mean)
-    if hit:
-        hits = film.hits[row, column] + 1
-        film.hits[row, column] = hits
-        film.depth[row, column] += (depth - film.depth[row, column]) / hits
-
-
-@device
-def accumulate_aov(plane, n, row, column, value):
-    """Update the mean of what the first collision met by sample number n, from 1."""
-    if plane is None:
-        return
-    weight = 1.0 / n
-    for c in range(3):
-        plane[row, column, c] += (value[c] - plane[row, column, c]) * weight
+from .jit import kernel
+from .sample import take_sample
 
 
 @kernel
 def render_tile(film, scene, row_0, row_1, column_0, column_1, target, seed):
     """Bring every pixel of a tile up to `target` samples; continues where the film is."""
-    width = film.count.shape[1]
     for row in range(row_0, row_1):
         for column in range(column_0, column_1):
             for sample in range(film.count[row, column], target):
-                rng = start_path(scene.sobol, seed, row * width + column, sample)
-                origin, direction, rng = camera_ray(scene.camera, scene.lens, column, row, rng)
-                L, hit, depth, albedo, normal = radiance(scene, origin, direction, rng)
-                accumulate(film, row, column, L, hit, depth)
-                accumulate_aov(film.albedo, sample + 1, row, column, albedo)
-                accumulate_aov(film.normal, sample + 1, row, column, normal)
+                take_sample(film, scene, row, column, sample, seed)

@@ -1,0 +1,121 @@
+"""CPU or CUDA: who does the work, and what becomes of it where CUDA cannot."""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import checks, packed, schedule
+from .gpu.available import missing
+from .gpu.errors import CudaError, CudaUnavailable
+from .schedule import Progress, StopRules
+
+logger = logging.getLogger("vtkmcvr")
+
+BACKENDS = ("auto", "cpu", "cuda")
+
+
+class Rendered(NamedTuple):
+    """Film of a run, and how it came about."""
+
+    film: packed.Film
+    stopped_by: str
+    seconds: float
+    backend: str  # "cpu" or "cuda"
+    device: str  # name of the CUDA device; "" for the CPU
+    note: str  # why the CPU did what CUDA was to do, or ""
+
+
+def checked(backend: object) -> str:
+    """Return the name of a backend, or say which there are."""
+    return checks.choice("backend", backend, BACKENDS)
+
+
+def check_unused(backend: object, technique: str) -> None:
+    """Refuse CUDA by name where a technique is the CPU's alone."""
+    if checked(backend) == "cuda":
+        raise ValueError(
+            f"technique {technique} runs on the CPU only: leave backend out, or say backend='cpu'"
+        )
+
+
+def run(
+    backend: str,
+    scene: packed.Scene,
+    film: packed.Film,
+    rules: StopRules,
+    seed: int,
+    threads: int,
+    progress: Callable[[Progress], object] | None = None,
+    counts: NDArray[np.int64] | None = None,
+) -> Rendered:
+    """Add samples to a film until a rule is met.
+
+    Parameters
+    ----------
+    backend : {"auto", "cpu", "cuda"}
+        "auto" takes CUDA where it can be used, and goes over to the CPU, with a line in the log,
+        where CUDA then fails.
+    scene, film, rules, seed, threads, progress
+        See `vtkmcvr.schedule.run`; the film may be changed or not.
+    counts : array (H, W), optional
+        Samples of each pixel to go on to where the rule was "samples".
+
+    Raises
+    ------
+    CudaError
+        Where "cuda" was asked for by name and cannot be used, or fails.
+    """
+    note = ""
+    if checked(backend) != "cpu":
+        absent = missing()
+        if absent is None:
+            try:
+                return _on_cuda(scene, film, rules, seed, progress, counts)
+            except CudaError as error:
+                if backend == "cuda":
+                    raise
+                note = f"rendered on the CPU: {error}"
+                logger.warning(note)
+        elif backend == "cuda":
+            raise CudaUnavailable(absent)
+    return _on_cpu(scene, film, rules, seed, threads, progress, counts, note)
+
+
+def _on_cuda(
+    scene: packed.Scene,
+    film: packed.Film,
+    rules: StopRules,
+    seed: int,
+    progress: Callable[[Progress], object] | None,
+    counts: NDArray[np.int64] | None,
+) -> Rendered:
+    from .gpu import launches
+    from .gpu.device import CudaDevice
+
+    device = CudaDevice()
+    film, stopped_by, seconds = launches.run(device, scene, film, rules, seed, progress, counts)
+    return Rendered(film, stopped_by, seconds, "cuda", device.name, "")
+
+
+def _on_cpu(
+    scene: packed.Scene,
+    film: packed.Film,
+    rules: StopRules,
+    seed: int,
+    threads: int,
+    progress: Callable[[Progress], object] | None,
+    counts: NDArray[np.int64] | None,
+    note: str,
+) -> Rendered:
+    stopped_by, seconds = schedule.run(scene, film, rules, seed, threads, progress)
+    if counts is not None and stopped_by == "samples":
+        start = time.perf_counter()
+        schedule.fill_up(scene, film, counts, seed)
+        seconds += time.perf_counter() - start
+    return Rendered(film, stopped_by, seconds, "cpu", "", note)

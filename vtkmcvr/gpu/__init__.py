@@ -1,0 +1,5 @@
+"""Monte Carlo on a CUDA device: what is there, memory, launches.
+
+The kernels are those of the CPU, compiled by numba-cuda. Nothing here imports it before it is asked
+for.
+"""

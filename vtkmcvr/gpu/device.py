@@ -1,0 +1,111 @@
+"""A CUDA device: what is in its memory, and launches on it."""
+
+from __future__ import annotations
+
+import warnings
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .errors import CPU_INSTEAD, SMALLER, OutOfDeviceMemory, translated
+
+
+class CudaDevice:
+    """The current CUDA device, with a queue of launches of its own.
+
+    Attributes
+    ----------
+    name : str
+        As the driver calls it, with its compute capability.
+    """
+
+    def __init__(self) -> None:
+        with translated("the device was opened"):
+            from numba import cuda
+
+            from ..kernels import cuda as launcher
+
+            self._cuda, self._launcher = cuda, launcher
+            self._queue = cuda.stream()
+            device = cuda.get_current_device()
+            major, minor = device.compute_capability
+        self.name = f"{getattr(device, 'name', 'simulator')}, compute capability {major}.{minor}"
+
+    def room_for(self, *parts: Any) -> None:
+        """Refuse what does not fit into the memory that is free."""
+        with translated("its memory was measured"):
+            free = self._cuda.current_context().get_memory_info().free
+        needed = sum(array.nbytes for part in parts for array in _arrays(part))
+        if needed > free:
+            raise OutOfDeviceMemory(
+                f"scene and film take {needed / 2**20:.0f} MiB of device memory, {self.name} has "
+                f"{free / 2**20:.0f} MiB free: {SMALLER} {CPU_INSTEAD}"
+            )
+
+    def upload(self, part: Any) -> Any:
+        """Return a packed tuple with its arrays on the device."""
+        with translated("scene and film were copied to the device"):
+            return self._uploaded(part)
+
+    def _uploaded(self, part: Any) -> Any:
+        if isinstance(part, np.ndarray):
+            return self._cuda.to_device(np.ascontiguousarray(part), self._queue)
+        return _rebuilt(part, self._uploaded) if isinstance(part, tuple) else part
+
+    def download(self, part: Any) -> Any:
+        """Return a packed tuple with its arrays back on the host, after all launches."""
+        with translated("the film was copied from the device"):
+            downloaded = self._downloaded(part)
+            self._queue.synchronize()
+        return downloaded
+
+    def _downloaded(self, part: Any) -> Any:
+        if hasattr(part, "copy_to_host"):
+            return part.copy_to_host(stream=self._queue)
+        return _rebuilt(part, self._downloaded) if isinstance(part, tuple) else part
+
+    def compile(self, film: Any, scene: Any, goal: Any, seed: int) -> None:
+        """Compile, or load from the cache, for this structure of scene."""
+        with translated("kernels were compiled"):
+            # Up to no sample
+            self._launch(film, scene, (0, goal.shape[0]), goal, 0, seed)
+            self._queue.synchronize()
+
+    def launch(
+        self, film: Any, scene: Any, rows: tuple[int, int], goal: Any, cap: int, seed: int
+    ) -> Any:
+        """Queue samples for some rows; see `kernels.cuda.render_rows`. Returns a ticket."""
+        with translated("a kernel was launched"):
+            self._launch(film, scene, rows, goal, cap, seed)
+            ticket = self._cuda.event(timing=False)
+            ticket.record(self._queue)
+        return ticket
+
+    def _launch(
+        self, film: Any, scene: Any, rows: tuple[int, int], goal: Any, cap: int, seed: int
+    ) -> None:
+        across, down = self._launcher.BLOCK
+        blocks = -(-goal.shape[1] // across), -(-(rows[1] - rows[0]) // down)
+        row_0, row_1, most, key = map(np.int64, (*rows, cap, seed))
+        with warnings.catch_warnings():
+            # That a small picture does not fill the device
+            warnings.filterwarnings("ignore", "Grid size")
+            configured = self._launcher.render_rows[blocks, (across, down), self._queue]
+        configured(film, scene, row_0, row_1, goal, most, key)
+
+    def finished(self, ticket: Any) -> bool:
+        """Whether a launch has ended; an error in a kernel shows here."""
+        with translated("a kernel ran"):
+            return bool(ticket.query())
+
+
+def _rebuilt(part: tuple, convert: Any) -> tuple:
+    converted = map(convert, part)
+    return type(part)(*converted) if hasattr(part, "_fields") else tuple(converted)
+
+
+def _arrays(part: Any) -> list[NDArray]:
+    if isinstance(part, np.ndarray):
+        return [part]
+    return [array for inner in part for array in _arrays(inner)] if isinstance(part, tuple) else []

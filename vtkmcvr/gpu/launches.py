@@ -1,0 +1,162 @@
+"""Passes as launches on a device: how much at a time, progress and abort in between."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Callable, Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import packed, schedule
+from ..schedule import Progress, StopRules
+
+# A launch takes this long, so that an abort is heard and a desktop stays alive; two are queued, so
+# that the device never waits for us
+LAUNCH_SECONDS, QUEUED = 0.03, 2
+# Enough for every multiprocessor; also the first launch, which nothing is known of
+LEAST_PATHS = 2**16
+# Rows of a launch are a multiple of a block's
+ROWS = 8
+WAIT_SECONDS = 0.0002
+
+
+class Launch(NamedTuple):
+    """Rows from `start` to before `end`, up to `cap` samples."""
+
+    start: int
+    end: int
+    cap: int
+    paths: int
+
+
+class Queued(NamedTuple):
+    """A launch under way."""
+
+    ticket: Any
+    paths: int
+    since: float
+
+
+class DeviceRun(schedule.Runner):
+    """One render on a device, by the stop rules of the CPU's; `film` stays as it is."""
+
+    def __init__(
+        self,
+        device: Any,
+        scene: packed.Scene,
+        film: packed.Film,
+        rules: StopRules,
+        seed: int,
+        progress: Callable[[Progress], object] | None,
+    ):
+        unlimited = np.full(film.count.shape, schedule.UNLIMITED, np.int64)
+        device.room_for(scene, film, unlimited)
+        self.device = device
+        self.there, self.sum, self.unlimited = map(device.upload, (scene, film, unlimited))
+        schedule.compiling(lambda: device.compile(self.sum, self.there, self.unlimited, seed))
+        super().__init__(scene, film, rules, seed, 1, progress)
+        self.level, self.busy, self.idle_since = self.first, 0.0, self.start
+
+    def result(self) -> packed.Film:
+        """Film with all samples so far, on the host."""
+        return self.device.download(self.sum)
+
+    def fill_up(self, counts: NDArray[np.int64]) -> None:
+        """Bring every pixel up to a number of samples of its own."""
+        self._work_off(self.device.upload(counts), int(counts.max()))
+
+    def _pass(self, pool: object, target: int) -> None:
+        self._work_off(self.unlimited, target)
+
+    def _work_off(self, goal: Any, target: int) -> None:
+        """Queue launches until all pixels have their goal, or `target` where that is less."""
+        queue: deque[Queued] = deque()
+        for launch in self._launches(target):
+            rows = launch.start, launch.end
+            ticket = self.device.launch(self.sum, self.there, rows, goal, launch.cap, self.seed)
+            queue.append(Queued(ticket, launch.paths, time.perf_counter()))
+            if len(queue) == QUEUED:
+                self._await(queue.popleft())
+                self._look()
+            if self.halt.is_set():
+                break
+        while queue:
+            self._await(queue.popleft())
+
+    def _launches(self, target: int) -> Iterator[Launch]:
+        """Parts of a pass: all rows by some samples, or some rows by one sample."""
+        height, width = self.film.count.shape
+        while self.level < target:
+            paths = max(LEAST_PATHS, int(LAUNCH_SECONDS * self._rate()))
+            samples = min(max(1, paths // (height * width)), target - self.level)
+            rows = height if paths >= height * width else max(ROWS, paths // width // ROWS * ROWS)
+            cap = self.level + samples
+            for start in range(0, height, rows):
+                end = min(start + rows, height)
+                yield Launch(start, end, cap, (end - start) * width * samples)
+            self.level = cap
+
+    def _rate(self) -> float:
+        """Paths per second of the device while it was at work; 0 before anything is known."""
+        return self.paths / self.busy if self.busy > 0 else 0.0
+
+    def _await(self, queued: Queued) -> None:
+        """Wait for the end of a launch; look at the stop rules meanwhile."""
+        looked = time.perf_counter()
+        while not self.device.finished(queued.ticket):
+            time.sleep(WAIT_SECONDS)
+            if time.perf_counter() - looked > schedule.POLL_SECONDS:
+                self._look()
+                looked = time.perf_counter()
+        now = time.perf_counter()
+        self.busy += now - max(queued.since, self.idle_since)
+        self.idle_since = now
+        self.paths += queued.paths
+
+    def _look(self) -> None:
+        if self.halt.is_set():
+            return
+        if self._over():
+            self.halt.set()
+        else:
+            self._report(self.level)
+
+    def _judge(self, done: int) -> None:
+        if self.rules.nrms is not None:
+            self.film = self.result()
+        super()._judge(done)
+
+
+def run(
+    device: Any,
+    scene: packed.Scene,
+    film: packed.Film,
+    rules: StopRules,
+    seed: int,
+    progress: Callable[[Progress], object] | None = None,
+    counts: NDArray[np.int64] | None = None,
+) -> tuple[packed.Film, str, float]:
+    """Add samples on a device until a rule is met; the film given stays as it is.
+
+    Parameters
+    ----------
+    device : CudaDevice
+    scene, film, rules, seed, progress
+        As for `vtkmcvr.schedule.run`.
+    counts : array (H, W), optional
+        Samples of each pixel to go on to where the rule was "samples".
+
+    Returns
+    -------
+    film, stopped_by, seconds
+        Compilation and copies of the scene are not counted, that of the film to the host is.
+    """
+    work = DeviceRun(device, scene, film, rules, seed, progress)
+    stopped_by = work.run(None)
+    if counts is not None and stopped_by == "samples":
+        work.fill_up(counts)
+    result = work.result()
+    return result, stopped_by, time.perf_counter() - work.start

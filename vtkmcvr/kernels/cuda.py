@@ -1,0 +1,59 @@
+"""CUDA launcher: one thread a pixel, for the samples that the CPU takes too.
+
+Importing it takes numba-cuda, of the extra `cuda`; `vtkmcvr.gpu` knows whether it is there, moves
+scene and film to the device and decides how much a launch does.
+"""
+
+from numba import cuda
+from numba.cuda import types
+from numba.cuda.core import config
+
+from .jit import source_stamp
+from .sample import take_sample
+
+# Threads of a block along columns and rows: a warp covers 8 x 4 pixels, whose paths are alike
+BLOCK = (8, 8)
+
+
+class AbsentEffects:
+    """Passes on the Nones of a packed tuple, which numba-cuda compiles but does not launch with.
+
+    A parameter of that type is a pointer that nobody reads.
+    """
+
+    def prepare_args(self, ty, val, stream, retr):
+        """Return type and value of a parameter as they are launched with."""
+        if isinstance(ty, types.NoneType):
+            return types.uint64, 0
+        return ty, val
+
+
+# Division, square root and elementary functions are approximate, as FAST_MATH allows on the CPU;
+# NaN and infinity keep their meaning. The simulator knows neither linking nor extensions.
+OPTIONS = {"fastmath": True}
+if not config.ENABLE_CUDASIM:
+    OPTIONS |= {"lto": False, "extensions": [AbsentEffects()]}
+
+
+@cuda.jit(**OPTIONS)
+def render_rows(film, scene, row_0, row_1, goal, cap, seed):
+    """Bring every pixel of some rows up to its `goal` of samples, or to `cap` where that is less.
+
+    Continues where the film is.
+    """
+    column, row = cuda.grid(2)
+    row += row_0
+    if row < row_1 and column < film.count.shape[1]:
+        for sample in range(film.count[row, column], min(goal[row, column], cap)):
+            take_sample(film, scene, row, column, sample, seed)
+
+
+def _cached(dispatcher):
+    """Keep machine code on disk, fresh while neither numba-cuda nor a kernel source has changed."""
+    if hasattr(dispatcher, "enable_caching"):
+        dispatcher.enable_caching()
+        index = dispatcher._cache._cache_file
+        index._version = f"{index._version} {source_stamp()}"
+
+
+_cached(render_rows)
