@@ -1,0 +1,48 @@
+"""PTX of kernels for any architecture, without a device, with the source line of each instruction."""
+
+import re
+from collections import Counter
+from pathlib import Path
+from types import SimpleNamespace
+
+from numba import cuda
+from numba.cuda import dispatcher
+
+KERNELS = "vtkmcvr/kernels"
+FILE = re.compile(r'\s*\.file\s+(\d+) "(.*?)"')
+PLACE = re.compile(r"\s*\.loc\s+(\d+) (\d+)")
+DOUBLE = re.compile(r"\s+(?:@!?%p\d+ )?([a-z0-9_.]*\.f64[a-z0-9_.]*)")
+# Moves, loads and stores of doubles cost no more than those of two floats
+NO_ARITHMETIC = ("mov", "ld", "st", "selp")
+
+
+def pretend(monkeypatch, capability):
+    """Answer numba-cuda's question for the device, and have it note source lines."""
+    device = SimpleNamespace(compute_capability=capability)
+    monkeypatch.setattr(dispatcher, "get_current_device", lambda: device)
+    begin = dispatcher.CUDADispatcher.__init__
+
+    def noting(self, function, targetoptions, *rest, **options):
+        begin(self, function, {**targetoptions, "lineinfo": True}, *rest, **options)
+
+    monkeypatch.setattr(dispatcher.CUDADispatcher, "__init__", noting)
+
+
+def ptx_of(kernel, types, capability):
+    """PTX of a plain function as a kernel."""
+    ptx, _ = cuda.compile_ptx(kernel, types, cc=capability, fastmath=True, lineinfo=True)
+    return ptx
+
+
+def doubles(ptx):
+    """Arithmetic in float64: how many instructions, by source file."""
+    files, here, found = {}, "?", Counter()
+    for line in ptx.splitlines():
+        if match := FILE.match(line):
+            files[match[1]] = Path(match[2]).name
+    for line in ptx.splitlines():
+        if match := PLACE.match(line):
+            here = files[match[1]]
+        elif (match := DOUBLE.match(line)) and not match[1].startswith(NO_ARITHMETIC):
+            found[here] += 1
+    return found

@@ -1,0 +1,134 @@
+"""Kernels compile for CUDA, with arithmetic in float64 only where it is meant."""
+
+import re
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+from needs import compiler
+from scenes import blob, everything, medium, noise, scene
+
+from vtkmcvr.cutting import Plane, Sphere
+from vtkmcvr.layers import Layer
+from vtkmcvr.lights import (
+    ConstantEnvironment,
+    CylinderLight,
+    DiskLight,
+    RectangleLight,
+    SphereLight,
+)
+from vtkmcvr.plan import plan
+from vtkmcvr.receivers import PlaneReceiver, SphereReceiver
+from vtkmcvr.rendering import empty_film
+from vtkmcvr.scene import Camera, Lens, Schlick, Surface, Volume
+
+pytestmark = compiler
+TURING, HOPPER = (7, 5), (9, 0)
+# Glue is counted where it is merged into: `through` in direct.py, the loop over samples in cuda.py
+MEANT = {
+    "sample.py": "moments of the film",
+    "camera.py": "rays until they enter the volume",
+    "cuda.py": "the same, and the film",
+    "vec.py": "the same",
+    "grid.py": "where rays enter the volume",
+    "cut.py": "where rays enter what clipping leaves",
+    "event.py": "where rays enter, layers",
+    "direct.py": "where shadow rays enter",
+    "path.py": "where the next ray of a path enters",
+    "scatter.py": "index position of a point on a receiver",
+    "receivers.py": "rays relative to receivers",
+    "bvh.py": "products of float32 that must be exact",
+    "spherical_rectangle.py": "solid angle as a difference of angles",
+}
+SKY = (ConstantEnvironment(0.5),)
+SCENES = {
+    "single, hybrid, all kinds of light": everything(vol=blob(5)),
+    "multiple": everything(vol=blob(5), scattering="multiple"),
+    "area lights near by, emission": scene(
+        blob(5), medium(9.0), phase=Schlick(-0.5), surface=Surface(0.9, coat="ggx"),
+        lights=(
+            RectangleLight((0, -1.2, 0), (0, 0, 0), (1, 1), 9.0), SphereLight((0, -1, 2), 0.3, 9.0),
+            DiskLight((2, -2, 2), (0, 0, 0), 1.0, 2.0), CylinderLight((2, 2, 2), (2, 2, 3), 0.2, 2.0),
+        ),
+    ),
+    "lens, cuts, receivers, layers": scene(
+        Volume((255 * blob(5).values).astype(np.uint8), blob(5).index_to_world), medium(0.01),
+        lights=SKY, aovs=("albedo", "normal"), surface=Surface(0.9),
+        camera=Camera((0, -5, 0), (0, 0, 0), view_angle=20, lens=Lens(0.1)),
+        clip=(Plane((0, 0, 0), (1, 0, 0)), Sphere((0, 0, 0), 0.8)),
+        receivers=(PlaneReceiver((0, 0, -1), (0, 0, 1)), SphereReceiver((0, 0, 2), 0.5)),
+        layers=(Layer(noise(5), medium(1.0)),),
+    ),
+    "ray march": scene(blob(5), lights=SKY, estimator="ray-march"),
+}  # fmt: skip
+
+
+def parameter_types(planned):
+    from numba.cuda.typing.typeof import typeof
+
+    film, number = empty_film(planned), np.int64(1)
+    parameters = film, planned.packed, number, number, film.count, number, number
+    return tuple(map(typeof, parameters))
+
+
+def assembler():
+    """Path of ptxas, of the wheel that has NVVM too; None without it."""
+    import nvidia
+
+    found = [path for root in nvidia.__path__ for path in Path(root).rglob("bin/ptxas")]
+    return found[0] if found else None
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SCENES)
+def test_every_kernel_compiles_without_stray_doubles(name, monkeypatch, tmp_path):
+    from ptx import doubles, pretend, ptx_of
+
+    from vtkmcvr.kernels.cuda import render_rows
+
+    types = parameter_types(plan(SCENES[name]))
+    for capability in (TURING, HOPPER):
+        pretend(monkeypatch, capability)
+        ptx = ptx_of(render_rows.py_func, types, capability)
+        arch = "sm_{}{}".format(*capability)
+        assert f".target {arch}" in ptx
+        found = doubles(ptx)
+        assert found["sample.py"] > 10
+        assert set(found) <= set(MEANT), found
+        if assembler() is not None:
+            (tmp_path / "kernel.ptx").write_text(ptx)
+            done = subprocess.run(
+                [assembler(), "-v", f"-arch={arch}", tmp_path / "kernel.ptx", "-o",
+                 tmp_path / "kernel.cubin"],
+                check=True, capture_output=True, text=True,
+            )  # fmt: skip
+            # Blocks of 64 threads fit, and nothing is kept in memory for want of registers
+            registers = int(re.search(r"Used (\d+) registers", done.stderr)[1])
+            spilt = int(re.search(r"(\d+) bytes spill stores", done.stderr)[1])
+            print(f"{name}, {arch}: {registers} registers, {spilt} bytes spilt")
+            assert registers <= 255
+
+
+def test_a_stray_double_would_be_noticed(monkeypatch):
+    from numba import float32, njit
+    from ptx import doubles, pretend, ptx_of
+
+    pretend(monkeypatch, HOPPER)
+
+    @njit
+    def stray(x):
+        return x * 0.1
+
+    @njit
+    def clean(x):
+        return x * np.float32(0.1)
+
+    def kernel_of(leaf):
+        def kernel(out):
+            out[0] = leaf(out[0])
+
+        return kernel
+
+    assert sum(doubles(ptx_of(kernel_of(stray), (float32[:],), HOPPER)).values()) > 0
+    assert not doubles(ptx_of(kernel_of(clean), (float32[:],), HOPPER))
