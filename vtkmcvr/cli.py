@@ -12,6 +12,7 @@ from .commands.info import add_info
 from .commands.presets import add_presets
 from .commands.render import add_demo, add_render
 from .commands.replay import add_replay
+from .gpu.errors import CudaError
 
 BAD_USAGE, INTERRUPTED = 2, 130
 
@@ -21,7 +22,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     args = _parser().parse_args(arguments)
     try:
         return args.command(args)
-    except (ValueError, TypeError, OSError, ImportError, MemoryError) as error:
+    except (ValueError, TypeError, OSError, ImportError, MemoryError, CudaError) as error:
         print(f"vtkmcvr: {_sentence(error)}", file=sys.stderr)
         return BAD_USAGE
     except KeyboardInterrupt:

@@ -1,0 +1,55 @@
+"""A device that is the CPU: launches are carried out when they are first waited for."""
+
+import numpy as np
+
+from vtkmcvr.film import copy_film
+from vtkmcvr.gpu.errors import OutOfDeviceMemory
+from vtkmcvr.kernels.cpu import render_tile
+
+
+class FakeDevice:
+    """Keeps what was asked of it; `fail_at` is the launch at which it breaks."""
+
+    name = "fake device, compute capability 0.0"
+
+    def __init__(self, room=True, fail_at=None, error=None):
+        self.room, self.fail_at, self.error = room, fail_at, error
+        self.launched, self.in_flight, self.most_in_flight, self.compiled = [], 0, 0, 0
+
+    def room_for(self, *parts):
+        if not self.room:
+            raise OutOfDeviceMemory("scene and film take 9 MiB, fake device has 1 MiB free")
+
+    def upload(self, part):
+        return part.copy() if isinstance(part, np.ndarray) else copied(part)
+
+    def download(self, film):
+        assert self.in_flight == 0
+        return copy_film(film)
+
+    def compile(self, film, scene, goal, seed):
+        self.compiled += 1
+
+    def launch(self, film, scene, rows, goal, cap, seed):
+        if len(self.launched) == self.fail_at:
+            raise self.error
+        self.launched.append((rows, cap))
+        self.in_flight += 1
+        self.most_in_flight = max(self.most_in_flight, self.in_flight)
+        return [film, scene, rows, goal, cap, seed]
+
+    def finished(self, ticket):
+        film, scene, rows, goal, cap, seed = ticket
+        for row in range(*rows):
+            for column in range(goal.shape[1]):
+                target = min(int(goal[row, column]), cap)
+                render_tile(film, scene, row, row + 1, column, column + 1, target, np.int64(seed))
+        self.in_flight -= 1
+        return True
+
+
+def copied(part):
+    if isinstance(part, tuple):
+        inner = map(copied, part)
+        return type(part)(*inner) if hasattr(part, "_fields") else tuple(inner)
+    return part.copy() if isinstance(part, np.ndarray) else part
