@@ -6,7 +6,7 @@ RUN := $(VENV)/bin/python -m
 TREE := build/lint
 INSTALL := $(RUN) pip install --quiet --disable-pip-version-check
 
-.PHONY: demo test slow lint bench clean
+.PHONY: demo test slow lint bench gpu clean
 
 $(VENV)/installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -42,6 +42,11 @@ lint: $(VENV)/installed-lint
 bench: $(VENV)/installed-test
 	$(INSTALL) --editable ".[peers]"
 	$(VENV)/bin/python tests/bench/bench_mitsuba.py
+
+# All checks that take a CUDA device, within ten minutes; says so where there is none
+gpu: $(VENV)/installed-test
+	$(INSTALL) --editable ".[cuda]"
+	$(VENV)/bin/python tests/gpu -o gpu.json
 
 clean:
 	rm -rf $(VENV) build dist *.egg-info

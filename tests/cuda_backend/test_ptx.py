@@ -72,12 +72,28 @@ def parameter_types(planned):
     return tuple(map(typeof, parameters))
 
 
-def assembler():
-    """Path of ptxas, of the wheel that has NVVM too; None without it."""
+def assembled(ptx, arch, folder):
+    """Registers and spilt bytes of a kernel, by ptxas of the wheel that has NVVM too.
+
+    None without it, or where another NVVM was found that is newer.
+    """
     import nvidia
 
-    found = [path for root in nvidia.__path__ for path in Path(root).rglob("bin/ptxas")]
-    return found[0] if found else None
+    programs = [path for root in nvidia.__path__ for path in Path(root).rglob("bin/ptxas")]
+    if not programs:
+        return None
+    (folder / "kernel.ptx").write_text(ptx)
+    done = subprocess.run(
+        [programs[0], "-v", f"-arch={arch}", folder / "kernel.ptx", "-o", folder / "kernel.cubin"],
+        capture_output=True, text=True,
+    )  # fmt: skip
+    if "Unsupported .version" in done.stderr:
+        return None
+    assert done.returncode == 0, done.stderr
+    return tuple(
+        int(re.search(pattern, done.stderr)[1])
+        for pattern in (r"Used (\d+) registers", r"(\d+) bytes spill stores")
+    )
 
 
 @pytest.mark.slow
@@ -96,18 +112,10 @@ def test_every_kernel_compiles_without_stray_doubles(name, monkeypatch, tmp_path
         found = doubles(ptx)
         assert found["sample.py"] > 10
         assert set(found) <= set(MEANT), found
-        if assembler() is not None:
-            (tmp_path / "kernel.ptx").write_text(ptx)
-            done = subprocess.run(
-                [assembler(), "-v", f"-arch={arch}", tmp_path / "kernel.ptx", "-o",
-                 tmp_path / "kernel.cubin"],
-                check=True, capture_output=True, text=True,
-            )  # fmt: skip
-            # Blocks of 64 threads fit, and nothing is kept in memory for want of registers
-            registers = int(re.search(r"Used (\d+) registers", done.stderr)[1])
-            spilt = int(re.search(r"(\d+) bytes spill stores", done.stderr)[1])
-            print(f"{name}, {arch}: {registers} registers, {spilt} bytes spilt")
-            assert registers <= 255
+        used = assembled(ptx, arch, tmp_path)
+        print(f"{name}, {arch}: {sum(found.values())} float64 instructions; {used} registers, spilt")
+        # A block is two warps: registers allow for several on each multiprocessor
+        assert used is None or used[0] <= 255
 
 
 def test_a_stray_double_would_be_noticed(monkeypatch):

@@ -1,0 +1,58 @@
+"""The checks of tests/gpu, on a device that is the CPU: they pass there, and can fail."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from fake_device import FakeDevice
+
+from vtkmcvr import backends
+from vtkmcvr.film import copy_film
+from vtkmcvr.gpu import available, device
+
+SCRIPTS = Path(__file__).parents[1] / "gpu"
+sys.path.insert(0, str(SCRIPTS))
+
+import agreement
+
+
+class Biased(FakeDevice):
+    """A device whose light is 3 % too bright."""
+
+    def download(self, film):
+        found = copy_film(film)
+        found.mean[:] *= 1.03
+        return found
+
+
+@pytest.fixture
+def on(monkeypatch):
+    def use(kind):
+        monkeypatch.setattr(backends, "missing", lambda: None)
+        monkeypatch.setattr(device, "CudaDevice", kind)
+
+    return use
+
+
+def test_devices_that_agree_pass(on):
+    on(FakeDevice)
+    found = agreement.compared(agreement.SINGLE)
+    assert found["passed"] and found["pixels_alike_with_one_seed"] == 1.0
+    assert agreement.same_bits() == {"passed": True}
+
+
+def test_a_bias_is_found(on):
+    on(Biased)
+    assert not agreement.compared(agreement.SINGLE)["passed"]
+
+
+def test_one_command_says_that_there_is_no_device(tmp_path):
+    if available.missing() is None:
+        pytest.skip("there is a device: run tests/gpu")
+    done = subprocess.run(
+        [sys.executable, SCRIPTS, "-o", tmp_path / "gpu.json"], capture_output=True, text=True
+    )
+    assert done.returncode == 0
+    assert done.stdout.startswith("no GPU checks: ")
+    assert not (tmp_path / "gpu.json").exists()
