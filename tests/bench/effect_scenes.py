@@ -1,0 +1,140 @@
+"""The scene that effects are added to, and the scene with each of them."""
+
+from dataclasses import replace
+
+import numpy as np
+
+import vtkmcvr
+from vtkmcvr.lights import Texture, irradiance_at, softbox
+
+BASELINE = "baseline"
+# Voxels of a label map's blocks, cells of the mesh's sphere
+BLOCK, SEGMENTS = 32, 48
+
+
+def baseline(dressed):
+    """Transfer function and key light of a look: phase function, one area light, a pinhole."""
+    key = dressed.scene.lights[1]
+    return replace(dressed.scene, lights=(key,), surface=None)
+
+
+def with_effects(dressed):
+    """Group, name and scene of every effect."""
+    scene = baseline(dressed)
+    volume, transfer, camera = scene.volume, scene.transfer, scene.camera
+    (key,) = scene.lights
+    sky, _, rim = dressed.scene.lights
+    surface = dressed.scene.surface
+    radius, centre = volume.radius, np.array(volume.centre)
+    lens = vtkmcvr.Lens(0.06 * radius)
+    panel = replace(key, texture=Texture.of(softbox()))
+    glow = vtkmcvr.ColourCurve([(volume.values.min(), 0.2, 0.05, 0.0)])
+    lowest, highest = float(volume.values.min()), float(volume.values.max())
+    edges = vtkmcvr.Curve([(0.0, 0.2), (0.1 * (highest - lowest), 1.0)])
+    forward = camera.frame[2]
+
+    def add(group, name, **changes):
+        return group, name, replace(scene, **changes)
+
+    return [
+        ("", BASELINE, scene),
+        add("camera", "thin lens", camera=replace(camera, lens=lens)),
+        add("camera", "lens with 6 blades", camera=replace(camera, lens=replace(lens, blades=6))),
+        add("lights", "no shadows", shadow_reach=0.0),
+        add("lights", "point light instead", lights=(point(key, centre),)),
+        add("lights", "texture on the light", lights=(panel,)),
+        add("lights", "constant environment", lights=(sky, key)),
+        add("lights", "environment map", lights=(studio_map(), key)),
+        add("lights", "2 lights", lights=(key, rim)),
+        add("lights", "64 lights", lights=many(64, key, scene)),
+        add("material", "Henyey-Greenstein", phase=vtkmcvr.HenyeyGreenstein(0.5)),
+        add("material", "hybrid surfaces", surface=surface),
+        add("material", "surfaces only", surface=replace(surface, mode="brdf")),
+        add("material", "surfaces only, GGX", surface=replace(surface, mode="brdf", coat="ggx")),
+        add("material", "emission", transfer=replace(transfer, emission=glow)),
+        add("material", "gradient opacity", transfer=replace(transfer, gradient_opacity=edges)),
+        add("scene", "clip plane", clip=(vtkmcvr.Plane(tuple(centre), tuple(forward)),)),
+        add("scene", "2 labels", labels=labels(volume, transfer)),
+        add("scene", "second volume", layers=(half(volume, transfer),)),
+        add("scene", "floor", receivers=(floor(scene),)),
+        add("scene", "mesh of 4600 triangles", receivers=(ball(centre, 0.35 * radius),)),
+        add("transport", "multiple scattering", scattering="multiple"),
+        add("transport", "shadows seen or not", ratio_tracking=False),
+        add("transport", "one global majorant", estimator="woodcock"),
+        add("transport", "ray marching (biased)", estimator="ray-march"),
+        add("film", "albedo and normal", aovs=("albedo", "normal")),
+        add("film", "independent samples", sampler="independent"),
+        ("together", "the look as it is", dressed.scene),
+        ("together", "the look, lens, floor, multiple", replace(
+            dressed.scene, camera=replace(camera, lens=lens), receivers=(floor(scene),),
+            scattering="multiple",
+        )),
+    ]  # fmt: skip
+
+
+def point(light, centre):
+    """Point light in the place of an area light, as bright at the centre."""
+    lamp = vtkmcvr.PointLight(light.centre)
+    return vtkmcvr.with_irradiance(lamp, irradiance_at(light, centre), centre)
+
+
+def many(n, key, scene):
+    """n rectangles on a half sphere about the key light, together as bright as it."""
+    centre, radius = np.array(scene.volume.centre), scene.volume.radius
+    pole = np.subtract(key.centre, centre)
+    pole /= np.linalg.norm(pole)
+    right = np.cross(pole, scene.camera.frame[1])
+    right /= np.linalg.norm(right)
+    up = np.cross(right, pole)
+    lights = []
+    for i in range(n):
+        z, phi = (i + 0.5) / n, (np.pi * (3 - np.sqrt(5))) * i
+        ring = np.sqrt(1 - z * z)
+        way = ring * np.cos(phi) * right + ring * np.sin(phi) * up + z * pole
+        place = tuple(centre + 2.6 * radius * way)
+        light = vtkmcvr.RectangleLight(place, tuple(centre), (0.3 * radius,) * 2)
+        share = (1.0, 0.3, 2.0, 0.7)[i % 4] / n
+        lights.append(vtkmcvr.with_irradiance(light, 6.0 * share, centre))
+    return tuple(lights)
+
+
+def studio_map():
+    """Dim sky with a small bright sun, 128 x 64 texels."""
+    pixels = np.full((64, 128, 3), 0.3, np.float32)
+    pixels[12:16, 20:26] = (120.0, 110.0, 95.0)
+    return vtkmcvr.EnvironmentMap(pixels)
+
+
+def labels(volume, transfer):
+    """Blocks of two labels with the same opacity and two colours."""
+    k, j, i = (np.arange(n) // BLOCK for n in volume.values.shape)
+    blocks = (k[:, None, None] + j[:, None] + i) % 2 + 1
+    red = replace(transfer, colour=vtkmcvr.ColourCurve([(0.0, 0.7, 0.3, 0.2)]))
+    return vtkmcvr.Labels(blocks.astype(np.uint8), {1: transfer, 2: red})
+
+
+def half(volume, transfer):
+    """The same volume once more, thinner."""
+    thin = replace(transfer, density_scale=0.5 * transfer.density_scale)
+    return vtkmcvr.Layer(replace(volume), thin)
+
+
+def floor(scene):
+    """Plane below the volume, as the camera sees it."""
+    centre, up = np.array(scene.volume.centre), np.array(scene.camera.frame[1])
+    lowest = float((scene.volume.corners @ up).min())
+    place = centre + (lowest - centre @ up) * up
+    return vtkmcvr.PlaneReceiver(tuple(place), tuple(up), colour=0.5)
+
+
+def ball(centre, radius):
+    """Mesh of a sphere at the centre."""
+    phi, theta = np.meshgrid(
+        np.linspace(0, 2 * np.pi, SEGMENTS, endpoint=False), np.linspace(0, np.pi, SEGMENTS + 1)
+    )
+    points = np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], -1)
+    row, column = np.mgrid[:SEGMENTS, :SEGMENTS]
+    a, b = row * SEGMENTS + column, row * SEGMENTS + (column + 1) % SEGMENTS
+    c, d = a + SEGMENTS, b + SEGMENTS
+    triangles = np.concatenate([np.stack(t, -1).reshape(-1, 3) for t in ((a, b, d), (a, d, c))])
+    return vtkmcvr.MeshReceiver(centre + radius * points.reshape(-1, 3), triangles)
