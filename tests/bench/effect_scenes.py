@@ -5,11 +5,10 @@ from dataclasses import replace
 import numpy as np
 
 import vtkmcvr
-from vtkmcvr.lights import Texture, irradiance_at, softbox
 
 BASELINE = "baseline"
-# Voxels of a label map's blocks, cells of the mesh's sphere
-BLOCK, SEGMENTS = 32, 48
+# Voxels of a label map's blocks
+BLOCK = 32
 
 
 def baseline(dressed):
@@ -27,10 +26,6 @@ def with_effects(dressed):
     surface = dressed.scene.surface
     radius, centre = volume.radius, np.array(volume.centre)
     lens = vtkmcvr.Lens(0.06 * radius)
-    panel = replace(key, texture=Texture.of(softbox()))
-    glow = vtkmcvr.ColourCurve([(volume.values.min(), 0.2, 0.05, 0.0)])
-    lowest, highest = float(volume.values.min()), float(volume.values.max())
-    edges = vtkmcvr.Curve([(0.0, 0.2), (0.1 * (highest - lowest), 1.0)])
     forward = camera.frame[2]
 
     def add(group, name, **changes):
@@ -39,43 +34,24 @@ def with_effects(dressed):
     return [
         ("", BASELINE, scene),
         add("camera", "thin lens", camera=replace(camera, lens=lens)),
-        add("camera", "lens with 6 blades", camera=replace(camera, lens=replace(lens, blades=6))),
         add("lights", "no shadows", shadow_reach=0.0),
-        add("lights", "point light instead", lights=(point(key, centre),)),
-        add("lights", "texture on the light", lights=(panel,)),
         add("lights", "constant environment", lights=(sky, key)),
         add("lights", "environment map", lights=(studio_map(), key)),
         add("lights", "2 lights", lights=(key, rim)),
         add("lights", "64 lights", lights=many(64, key, scene)),
-        add("material", "Henyey-Greenstein", phase=vtkmcvr.HenyeyGreenstein(0.5)),
         add("material", "hybrid surfaces", surface=surface),
         add("material", "surfaces only", surface=replace(surface, mode="brdf")),
         add("material", "surfaces only, GGX", surface=replace(surface, mode="brdf", coat="ggx")),
-        add("material", "emission", transfer=replace(transfer, emission=glow)),
-        add("material", "gradient opacity", transfer=replace(transfer, gradient_opacity=edges)),
         add("scene", "clip plane", clip=(vtkmcvr.Plane(tuple(centre), tuple(forward)),)),
         add("scene", "2 labels", labels=labels(volume, transfer)),
-        add("scene", "second volume", layers=(half(volume, transfer),)),
         add("scene", "floor", receivers=(floor(scene),)),
-        add("scene", "mesh of 4600 triangles", receivers=(ball(centre, 0.35 * radius),)),
         add("transport", "multiple scattering", scattering="multiple"),
         add("transport", "shadows seen or not", ratio_tracking=False),
         add("transport", "one global majorant", estimator="woodcock"),
-        add("transport", "ray marching (biased)", estimator="ray-march"),
         add("film", "albedo and normal", aovs=("albedo", "normal")),
         add("film", "independent samples", sampler="independent"),
         ("together", "the look as it is", dressed.scene),
-        ("together", "the look, lens, floor, multiple", replace(
-            dressed.scene, camera=replace(camera, lens=lens), receivers=(floor(scene),),
-            scattering="multiple",
-        )),
     ]  # fmt: skip
-
-
-def point(light, centre):
-    """Point light in the place of an area light, as bright at the centre."""
-    lamp = vtkmcvr.PointLight(light.centre)
-    return vtkmcvr.with_irradiance(lamp, irradiance_at(light, centre), centre)
 
 
 def many(n, key, scene):
@@ -113,28 +89,9 @@ def labels(volume, transfer):
     return vtkmcvr.Labels(blocks.astype(np.uint8), {1: transfer, 2: red})
 
 
-def half(volume, transfer):
-    """The same volume once more, thinner."""
-    thin = replace(transfer, density_scale=0.5 * transfer.density_scale)
-    return vtkmcvr.Layer(replace(volume), thin)
-
-
 def floor(scene):
     """Plane below the volume, as the camera sees it."""
     centre, up = np.array(scene.volume.centre), np.array(scene.camera.frame[1])
     lowest = float((scene.volume.corners @ up).min())
     place = centre + (lowest - centre @ up) * up
     return vtkmcvr.PlaneReceiver(tuple(place), tuple(up), colour=0.5)
-
-
-def ball(centre, radius):
-    """Mesh of a sphere at the centre."""
-    phi, theta = np.meshgrid(
-        np.linspace(0, 2 * np.pi, SEGMENTS, endpoint=False), np.linspace(0, np.pi, SEGMENTS + 1)
-    )
-    points = np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], -1)
-    row, column = np.mgrid[:SEGMENTS, :SEGMENTS]
-    a, b = row * SEGMENTS + column, row * SEGMENTS + (column + 1) % SEGMENTS
-    c, d = a + SEGMENTS, b + SEGMENTS
-    triangles = np.concatenate([np.stack(t, -1).reshape(-1, 3) for t in ((a, b, d), (a, d, c))])
-    return vtkmcvr.MeshReceiver(centre + radius * points.reshape(-1, 3), triangles)

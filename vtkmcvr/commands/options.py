@@ -9,6 +9,7 @@ from .camera_options import add_camera_options
 from .cutting import add_cutting_options
 from .inputs import add_input_options
 from .occlusion_options import add_occlusion_options
+from .transport_options import add_display_options, add_transport_options
 
 
 def add_scene_options(parser: argparse.ArgumentParser, *, all_times: bool = False) -> None:
@@ -34,6 +35,7 @@ def add_scene_options(parser: argparse.ArgumentParser, *, all_times: bool = Fals
     add("--shift", type=float, help="added to the values to get HU; default: detected")
     add("--environment", metavar="MAP", help="light by this .hdr or .exr panorama instead")
     add_camera_options(parser)
+    add_transport_options(parser)
     add_cutting_options(parser)
     add("--quiet", action="store_true", help="no progress and no report")
 
@@ -55,6 +57,7 @@ def add_render_options(parser: argparse.ArgumentParser) -> None:
         metavar="COLOUR",
         help="transparent, or sRGB as #rrggbb",
     )
+    add_display_options(parser)
     add("--bits", type=int, choices=(8, 16), default=8, help="of a .png")
     add("--denoise", choices=("knn", "oidn"), help="reduce noise, at a bias; the report says so")
     add("--aovs", action="store_true", help="also albedo and normal, in .exr, .vti and .npz")

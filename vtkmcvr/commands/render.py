@@ -12,6 +12,7 @@ from .occlusion_options import occlusion_options
 from .options import add_render_options
 from .scenes import demo_volume, flipped, scene_options
 from .terminal import Bar, Interrupt, say_to, write_json
+from .transport_options import displayed
 
 if TYPE_CHECKING:
     from ..occlusion import OcclusionPicture
@@ -109,6 +110,7 @@ def picture_of(data: Any, args: argparse.Namespace) -> Picture | OcclusionPictur
             threads=args.threads, exposure=args.exposure, background=background, progress=bar,
             abort=stop.is_set, **occlusion_options(args), **options,
         )  # fmt: skip
+    picture = displayed(picture, args)
     return picture.denoised(args.denoise) if args.denoise else picture
 
 

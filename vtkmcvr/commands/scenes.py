@@ -7,6 +7,7 @@ from typing import Any
 
 from .camera_options import camera_options
 from .cutting import cutting_options
+from .transport_options import transport_options
 
 
 def demo_volume() -> Any:
@@ -44,4 +45,5 @@ def scene_options(data: Any, args: argparse.Namespace) -> dict[str, Any]:
         from ..lights import EnvironmentMap
 
         options["lights"] = [EnvironmentMap(read_environment(args.environment))]
+    options = transport_options(data, options, args)
     return cutting_options(data, camera_options(data, options, args), args)
