@@ -44,11 +44,13 @@ def ring(stage: Stage, n: int) -> tuple:
     scene = stage.scene
     right, up, forward = scene.camera.frame
     centre, radius = scene.volume.centre, scene.volume.radius
+    # Apart from each other, since panels block light
+    edge = min(0.5, 6.0 / n) * radius
     lights = []
     for phi in 2 * np.pi * (np.arange(n) + 0.37) / n:
         way = 0.8 * (np.cos(phi) * right + np.sin(phi) * up) - 0.6 * forward
         panel = vtkmcvr.RectangleLight(
-            tuple(centre + 2.6 * radius * way), tuple(centre), (0.5 * radius,) * 2
+            tuple(centre + 2.6 * radius * way), tuple(centre), (edge,) * 2
         )
         lights.append(vtkmcvr.with_irradiance(panel, 8.0 / n, centre))
     return tuple(lights)

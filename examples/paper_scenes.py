@@ -132,9 +132,9 @@ def hybrid_scattering(stage: Stage, shot: Shot) -> list:
     """Phase function only, hybrid, surfaces only."""
     coat = replace(stage.scene.surface, specular=0.10, exponent=80.0)
     return [
-        shot(stage, surface=None),
-        shot(stage, surface=replace(coat, gradient_factor=0.7)),
-        shot(stage, surface=replace(coat, mode="brdf")),
+        shot(stage, surface=None, exposure=0.7),
+        shot(stage, surface=replace(coat, gradient_factor=0.7), exposure=0.7),
+        shot(stage, surface=replace(coat, mode="brdf"), exposure=0.7),
     ]
 
 
