@@ -84,7 +84,7 @@ def plot(found: Curves, width: int, height: int) -> np.ndarray:
         axes.minorticks_off()
         axes.legend(fontsize=8, frameon=False)
         axes.grid(alpha=0.25)
-    figure.axes[0].set(ylabel="NRMS")
+    figure.axes[0].set(ylabel="NRMS", yticks=(0.05, 0.1, 0.2, 0.5))
     figure.axes[0].yaxis.set_major_formatter(lambda y, _: f"{100 * y:g} %")
     canvas.draw()
     return np.asarray(canvas.buffer_rgba())[..., :3]

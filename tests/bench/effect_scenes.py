@@ -39,12 +39,15 @@ def with_effects(dressed):
         add("lights", "environment map", lights=(studio_map(), key)),
         add("lights", "2 lights", lights=(key, rim)),
         add("lights", "64 lights", lights=many(64, key, scene)),
+        add("lights", "64 lights, no shadows", lights=many(64, key, scene), shadow_reach=0.0),
         add("material", "hybrid surfaces", surface=surface),
         add("material", "surfaces only", surface=replace(surface, mode="brdf")),
         add("material", "surfaces only, GGX", surface=replace(surface, mode="brdf", coat="ggx")),
         add("scene", "clip plane", clip=(vtkmcvr.Plane(tuple(centre), tuple(forward)),)),
         add("scene", "2 labels", labels=labels(volume, transfer)),
         add("scene", "floor", receivers=(floor(scene),)),
+        add("scene", "floor of 5 000 triangles", receivers=(tiles(scene, 50),)),
+        add("scene", "floor of 500 000 triangles", receivers=(tiles(scene, 500),)),
         add("transport", "multiple scattering", scattering="multiple"),
         add("transport", "shadows seen or not", ratio_tracking=False),
         add("transport", "one global majorant", estimator="woodcock"),
@@ -90,8 +93,22 @@ def labels(volume, transfer):
 
 
 def floor(scene):
-    """Plane below the volume, as the camera sees it."""
-    centre, up = np.array(scene.volume.centre), np.array(scene.camera.frame[1])
+    """Square below the volume, as the camera sees it, 8 radii wide."""
+    centre = np.array(scene.volume.centre)
+    _, up, forward = scene.camera.frame
     lowest = float((scene.volume.corners @ up).min())
     place = centre + (lowest - centre @ up) * up
-    return vtkmcvr.PlaneReceiver(tuple(place), tuple(up), colour=0.5)
+    edges = (8 * scene.volume.radius,) * 2
+    return vtkmcvr.PlaneReceiver(tuple(place), tuple(up), edges, tuple(forward), colour=0.5)
+
+
+def tiles(scene, n):
+    """Square of 2 n n triangles in the place of the floor, 8 radii wide."""
+    plane = floor(scene)
+    up, right = np.array(scene.camera.frame[1]), scene.camera.frame[0]
+    along = np.linspace(-4, 4, n + 1) * scene.volume.radius
+    x, y = (grid.reshape(-1, 1) for grid in np.meshgrid(along, along))
+    points = np.array(plane.centre) + x * right + y * np.cross(up, right)
+    corner = (np.arange(n)[:, None] * (n + 1) + np.arange(n)).reshape(-1, 1)
+    triangles = corner + np.array([[0, 1, n + 2], [0, n + 2, n + 1]]).reshape(1, 6)
+    return vtkmcvr.MeshReceiver(points, triangles.reshape(-1, 3), colour=0.5)
