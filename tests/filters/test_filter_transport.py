@@ -1,7 +1,9 @@
 """All that a scene says about transport can be asked of the filter."""
 
+import numpy as np
 import pytest
 
+from vtkmcvr.lights import EnvironmentMap
 from vtkmcvr.scene import Isotropic, Rayleigh, Surface
 
 ASKED = {
@@ -55,3 +57,11 @@ def test_error_that_is_asked_for_ends_the_render(pipeline, traced):
     pipeline.render.nrms = 0.4
     pipeline.tone.Update()
     assert len(traced) == 2
+
+
+def test_another_environment_of_equal_scale_is_another_one(pipeline):
+    dark, bright = (EnvironmentMap(np.full((2, 4, 3), x)) for x in (0.1, 1.0))
+    for sky in (dark, bright):
+        pipeline.render.environment = sky
+        assert pipeline.render.environment is sky
+        assert scene_of(pipeline).lights[-1] is sky
