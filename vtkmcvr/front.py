@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,13 +12,13 @@ from . import __version__, checks
 from .lights import Light
 from .occlusion import Occlusion, OcclusionPicture, render_occlusion
 from .picture import Display, Picture
-from .plan import plan
-from .presets import Dressed, dress
+from .presets import Dressed, Look, dress
+from .presets.fit import look_of
 from .rendering import render_scene
 from .scene import Camera, Scene, TransferFunction, Volume
 from .schedule import Progress
-from .studio import view_camera
-from .volume_info import units
+from .studio import View, view_camera
+from .volume_info import modality, units
 from .vtk_scene import volume_of
 
 TECHNIQUES = ("monte-carlo", "occlusion")
@@ -26,27 +26,17 @@ TECHNIQUES = ("monte-carlo", "occlusion")
 BACKDROP = (0.07, 0.08, 0.10)
 
 
-@dataclass(frozen=True)
-class View:
-    """Where the camera stands; see `vtkmcvr.studio.view_camera`."""
-
-    view: str = "front"
-    azimuth: float = 0.0
-    elevation: float = 0.0
-    roll: float = 0.0
-    zoom: float = 1.0
-
-
 def scene_of(
     data: Any,
     *,
-    preset: str | None = None,
+    preset: str | Look | None = None,
     transfer: TransferFunction | None = None,
     camera: Camera | None = None,
     lights: Sequence[Light] | None = None,
     view: View | None = None,
     size: tuple[int, int] = (800, 600),
     shift: float | None = None,
+    whole: bool = False,
     **effects: Any,
 ) -> Dressed:
     """Scene of a volume: a look, with any part of it replaced.
@@ -54,16 +44,18 @@ def scene_of(
     Parameters
     ----------
     data : vtkImageData, pyvista.ImageData or Volume
-    preset : str, optional
-        One of `vtkmcvr.presets.LOOKS`. Default: chosen from the values.
+    preset : str or Look, optional
+        One of `vtkmcvr.presets.LOOKS`, or a look of your own. Default: chosen from the values.
     transfer, camera, lights : optional
         Instead of the look's.
     view : View, optional
-        Where to look from, without `camera`.
+        Where to look from, without `camera`. Default: the look's.
     size : (width, height)
         Pixels.
     shift : float, optional
         Number to add to the values to get HU. Default: 0 for HU, else detected.
+    whole : bool
+        Also show what a CT look leaves out: the table, what lies close under the skin.
     **effects
         Other fields of `Scene`: surface, phase, scattering, shadow_reach, environment_visible,
         pixel_filter ...
@@ -74,14 +66,20 @@ def scene_of(
         The scene, its exposure, the name of the look, and notes.
     """
     volume = data if isinstance(data, Volume) else volume_of(data)
-    known = units(data) if not isinstance(data, Volume) else ""
+    known = _known(data)
     width = checks.whole("film width", size[0], least=1)
     height = checks.whole("film height", size[1], least=1)
-    place = camera or view_camera(volume)
-    dressed = dress(volume, place, preset, units=known, shift=shift, size=(width, height))
+    look = look_of(volume, preset, **known)
+
+    def dressed_for(place: Camera) -> Dressed:
+        return dress(
+            volume, place, look, chosen=preset is None, shift=shift, size=(width, height),
+            whole=whole, **known,
+        )  # fmt: skip
+
+    dressed = dressed_for(camera or view_camera(volume))
     if camera is None:
-        camera = _framed(dressed.scene, view or View())
-        dressed = dress(volume, camera, preset, units=known, shift=shift, size=(width, height))
+        dressed = dressed_for(_framed(dressed, view or look.view))
     changes = dict(effects)
     if transfer is not None:
         changes["transfer"] = transfer
@@ -90,14 +88,19 @@ def scene_of(
     return replace(dressed, scene=replace(dressed.scene, **changes)) if changes else dressed
 
 
-def _framed(scene: Scene, view: View) -> Camera:
-    """Camera on the part of the volume that the transfer function shows."""
-    volume, (width, height) = scene.volume, scene.size
-    corners = plan(scene).corners
+def _known(data: Any) -> dict[str, str]:
+    """Units and modality, where a reader recorded them."""
+    if isinstance(data, Volume):
+        return {"units": "", "modality": ""}
+    return {"units": units(data), "modality": modality(data)}
+
+
+def _framed(dressed: Dressed, view: View) -> Camera:
+    """Camera on the part of the volume that the look shows."""
+    width, height = dressed.scene.size
     return view_camera(
-        volume, view.view, azimuth=view.azimuth, elevation=view.elevation, roll=view.roll,
-        zoom=view.zoom, aspect=width / height,
-        corners=corners if len(corners) else None,
+        dressed.scene.volume, view.view, azimuth=view.azimuth, elevation=view.elevation,
+        roll=view.roll, zoom=view.zoom, aspect=width / height, corners=dressed.corners,
     )  # fmt: skip
 
 
@@ -159,7 +162,9 @@ def render(
     if isinstance(data, Scene):
         dressed = Dressed(replace(data, **scene), 0.0, "none", ())
     else:
-        dressed = scene_of(data, **scene)
+        # Occlusion takes no mask
+        whole = {"whole": True} if technique == "occlusion" else {}
+        dressed = scene_of(data, **whole | scene)
     display = Display(dressed.exposure if exposure is None else exposure, background)
     if technique == "occlusion":
         _check_unused(samples, seconds, nrms)

@@ -53,6 +53,17 @@ class Studio:
     cool: Colour = (0.82, 0.91, 1.0)
 
 
+@dataclass(frozen=True)
+class View:
+    """Where the camera stands; see `view_camera`."""
+
+    view: str = "front"
+    azimuth: float = 0.0
+    elevation: float = 0.0
+    roll: float = 0.0
+    zoom: float = 1.0
+
+
 def view_camera(
     volume: Volume,
     view: str = "front",

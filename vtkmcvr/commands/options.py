@@ -15,16 +15,19 @@ def add_scene_options(parser: argparse.ArgumentParser, *, all_times: bool = Fals
     """Everything that decides what is seen."""
     add_input_options(parser, all_times=all_times)
     add = parser.add_argument
-    add("--preset", help="look; see `vtkmcvr presets`. Default: chosen from the values")
+    add(
+        "--preset",
+        metavar="NAME",
+        help="look; see `vtkmcvr presets`; or a file: .json, or presets.xml#NAME, .vp of 3D Slicer. "
+        "Default: chosen from the values",
+    )
     add("--size", type=_size, default=(800, 600), metavar="WxH", help="pixels, default 800x600")
     add("--threads", type=int, help="default: all CPUs of the process")
-    add(
-        "--view", default="front", help="front back left right top bottom: side of the patient seen"
-    )
-    add("--azimuth", type=float, default=0.0, help="degrees around the volume, to the right")
-    add("--elevation", type=float, default=0.0, help="degrees up")
-    add("--roll", type=float, default=0.0, help="degrees clockwise")
-    add("--zoom", type=float, default=1.0)
+    add("--view", help="front back left right top bottom: side of the patient seen")
+    add("--azimuth", type=float, help="degrees around the volume, to the right")
+    add("--elevation", type=float, help="degrees up")
+    add("--roll", type=float, help="degrees clockwise")
+    add("--zoom", type=float, help="2 shows half the height")
     add(
         "--flip",
         metavar="AXES",
@@ -32,6 +35,7 @@ def add_scene_options(parser: argparse.ArgumentParser, *, all_times: bool = Fals
         "do not say which way they were stored",
     )
     add("--shift", type=float, help="added to the values to get HU; default: detected")
+    add("--whole", action="store_true", help="also what CT looks leave out: table, skin over lungs")
     add("--environment", metavar="MAP", help="light by this .hdr or .exr panorama instead")
     add_camera_options(parser)
     add_cutting_options(parser)

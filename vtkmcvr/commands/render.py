@@ -53,7 +53,7 @@ def _demo_head(args: argparse.Namespace) -> Any:
     say_to(args)("synthetic CT head phantom (no patient), 192 x 192 x 192")
     if args.preset is None:
         args.preset = "ct-bone"
-    if args.azimuth == 0 and args.elevation == 0 and args.view == "front":
+    if args.azimuth is None and args.elevation is None and args.view is None:
         args.azimuth, args.elevation = -28.0, 6.0
     return demo_volume()
 

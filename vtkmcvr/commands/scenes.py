@@ -35,8 +35,15 @@ def scene_options(data: Any, args: argparse.Namespace) -> dict[str, Any]:
         "preset": args.preset,
         "size": args.size,
         "shift": args.shift,
-        "view": View(args.view, args.azimuth, args.elevation, args.roll, args.zoom),
+        "whole": args.whole,
     }
+    turns = {
+        name: getattr(args, name)
+        for name in ("view", "azimuth", "elevation", "roll", "zoom")
+        if getattr(args, name) is not None
+    }
+    if turns:
+        options["view"] = View(**turns)
     if getattr(args, "aovs", False) or getattr(args, "denoise", None) == "oidn":
         options["aovs"] = ("albedo", "normal")
     if args.environment:
