@@ -14,12 +14,15 @@ from .occlusion import Occlusion, OcclusionPicture, render_occlusion
 from .picture import Display, Picture
 from .presets import Dressed, Look, dress
 from .presets.fit import look_of
+from .presets.framing import view_of_slab
+from .presets.solids import as_solids, with_segmentation
 from .rendering import render_scene
 from .scene import Camera, Scene, TransferFunction, Volume
 from .schedule import Progress
 from .studio import View, view_camera
-from .volume_info import modality, units
-from .vtk_scene import volume_of
+from .segmentation import Segmentation
+from .volume_info import modality, segments, units
+from .vtk_single import single_volume
 
 TECHNIQUES = ("monte-carlo", "occlusion")
 # sRGB colour behind presets
@@ -37,6 +40,7 @@ def scene_of(
     size: tuple[int, int] = (800, 600),
     shift: float | None = None,
     whole: bool = False,
+    segmentation: Segmentation | None = None,
     **effects: Any,
 ) -> Dressed:
     """Scene of a volume: a look, with any part of it replaced.
@@ -56,6 +60,8 @@ def scene_of(
         Number to add to the values to get HU. Default: 0 for HU, else detected.
     whole : bool
         Also show what a CT look leaves out: the table, what lies close under the skin.
+    segmentation : Segmentation, optional
+        Labels on the grid of the volume: those chosen become solids, those hidden are left out.
     **effects
         Other fields of `Scene`: surface, phase, scattering, shadow_reach, environment_visible,
         pixel_filter ...
@@ -65,21 +71,24 @@ def scene_of(
     Dressed
         The scene, its exposure, the name of the look, and notes.
     """
-    volume = data if isinstance(data, Volume) else volume_of(data)
-    known = _known(data)
+    volume, known, noted = _volume_and_facts(data)
     width = checks.whole("film width", size[0], least=1)
     height = checks.whole("film height", size[1], least=1)
     look = look_of(volume, preset, **known)
 
     def dressed_for(place: Camera) -> Dressed:
-        return dress(
+        found = dress(
             volume, place, look, chosen=preset is None, shift=shift, size=(width, height),
             whole=whole, **known,
         )  # fmt: skip
+        if look.units == "labels":
+            return as_solids(found, segmentation or _segmentation(data, volume))
+        return found if segmentation is None else with_segmentation(found, segmentation)
 
     dressed = dressed_for(camera or view_camera(volume))
     if camera is None:
-        dressed = dressed_for(_framed(dressed, view or look.view))
+        dressed = dressed_for(_framed(dressed, view or view_of_slab(look.view, dressed.points)))
+    dressed = replace(dressed, notes=(*dressed.notes, *noted))
     changes = dict(effects)
     if transfer is not None:
         changes["transfer"] = transfer
@@ -88,11 +97,20 @@ def scene_of(
     return replace(dressed, scene=replace(dressed.scene, **changes)) if changes else dressed
 
 
-def _known(data: Any) -> dict[str, str]:
-    """Units and modality, where a reader recorded them."""
+def _volume_and_facts(data: Any) -> tuple[Volume, dict[str, str], tuple[str, ...]]:
+    """Volume; units and modality where a reader recorded them; notes on its components."""
     if isinstance(data, Volume):
-        return {"units": "", "modality": ""}
-    return {"units": units(data), "modality": modality(data)}
+        return data, {"units": "", "modality": ""}, ()
+    volume, noted = single_volume(data)
+    modal = "SEG" if segments(data) else modality(data)
+    if volume.colours is not None:
+        modal = "colours"
+    return volume, {"units": units(data), "modality": modal}, noted
+
+
+def _segmentation(data: Any, volume: Volume) -> Segmentation:
+    """Segmentation of a label map that is rendered itself."""
+    return Segmentation(volume, () if isinstance(data, Volume) else tuple(segments(data)))
 
 
 def _framed(dressed: Dressed, view: View) -> Camera:
@@ -100,7 +118,7 @@ def _framed(dressed: Dressed, view: View) -> Camera:
     width, height = dressed.scene.size
     return view_camera(
         dressed.scene.volume, view.view, azimuth=view.azimuth, elevation=view.elevation,
-        roll=view.roll, zoom=view.zoom, aspect=width / height, corners=dressed.corners,
+        roll=view.roll, zoom=view.zoom, aspect=width / height, corners=dressed.points,
     )  # fmt: skip
 
 

@@ -21,7 +21,7 @@ def add_scene_options(parser: argparse.ArgumentParser, *, all_times: bool = Fals
         help="look; see `vtkmcvr presets`; or a file: .json, or presets.xml#NAME, .vp of 3D Slicer. "
         "Default: chosen from the values",
     )
-    add("--size", type=_size, default=(800, 600), metavar="WxH", help="pixels, default 800x600")
+    add("--size", type=parse_size, default=(800, 600), metavar="WxH", help="pixels, default 800x600")
     add("--threads", type=int, help="default: all CPUs of the process")
     add("--view", help="front back left right top bottom: side of the patient seen")
     add("--azimuth", type=float, help="degrees around the volume, to the right")
@@ -71,7 +71,8 @@ def add_render_options(parser: argparse.ArgumentParser) -> None:
     add("--json", metavar="FILE", help="what was measured")
 
 
-def _size(text: str) -> tuple[int, int]:
+def parse_size(text: str) -> tuple[int, int]:
+    """Return width and height of text such as 800x600."""
     try:
         width, height = (int(part) for part in text.lower().split("x"))
     except ValueError:

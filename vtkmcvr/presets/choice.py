@@ -11,7 +11,8 @@ from .statistics import finite_sample, hu_offset, is_label_map
 BONE_SHARE, BONE_HU, TISSUE_HU = 5e-4, 300.0, -300.0
 # Share of the positive magnitude that negative values need for a look of both signs
 SIGNED_SHARE = 0.2
-BY_MODALITY = {"MR": "mr-head", "PT": "pet-fusion", "NM": "pet-fusion", "SEG": "labels"}
+BY_MODALITY = {"MR": "mr-head", "PT": "pet-fusion", "NM": "pet-fusion", "SEG": "labels",
+               "colours": "solid"}  # fmt: skip
 
 
 def choose_look(
@@ -23,12 +24,9 @@ def choose_look(
     ----------
     values : array (k, j, i)
     units, modality : str
-        "HU", "SUV"; "CT", "MR", "PT", where the reader knows them.
-    labels : bool
-        Whether the reader knows the values to be labels.
+        "HU", "SUV"; "CT", "MR", "PT", "SEG", where the reader knows them; "colours" where each
+        point has its own.
     """
-    if labels:
-        return "labels"
     if modality in BY_MODALITY:
         return BY_MODALITY[modality]
     if units == "SUV":

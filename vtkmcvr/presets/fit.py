@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..curves import ColourCurve, Curve
-from ..scene import Camera, Scene, TransferFunction, Volume
+from ..curves import Curve
+from ..scene import Camera, Scene, Volume
 from ..studio import studio_lights
 from .body import DENSER_THAN, body_mask, worth_hiding
 from .catalogue import LOOKS, look_named
 from .choice import choose_look
 from .depth import depth_through_centre
 from .files import names_file, read_look
-from .framing import seen_corners, seen_voxels
-from .look import Look, Nodes
+from .framing import seen_points, seen_voxels
+from .look import Look
 from .statistics import finite_sample, hu_offset, object_threshold, spread
 
 # What stands for the ends of the range where a CT look meets values that are not HU: air and dense
@@ -28,13 +28,26 @@ HIGH_SUV = 10.0
 
 @dataclass(frozen=True)
 class Dressed:
-    """A look fitted to a volume: the scene and what was noticed on the way."""
+    """A look fitted to a volume.
+
+    Attributes
+    ----------
+    scene : Scene
+    exposure : float
+        Stops.
+    preset : str
+        Name of the look.
+    notes : tuple of str
+        What was chosen and noticed on the way.
+    points : array (n, 3), optional
+        World points that a picture of what is seen should hold. None: nothing is seen.
+    """
 
     scene: Scene
     exposure: float
     preset: str
     notes: tuple[str, ...]
-    corners: NDArray | None = None
+    points: NDArray | None = None
 
 
 @dataclass(frozen=True)
@@ -83,7 +96,7 @@ def dress(
     """
     look = look_of(volume, preset, units=units, modality=modality)
     fit = fit_look(look, volume, units, shift)
-    transfer = transfer_of_look(look, fit, volume)
+    transfer = look.transfer(fit.shift, fit.factor, float(volume.spacing.min()))
     assert transfer.opacity is not None
     mask, hidden = (None, ()) if whole else _body(look, fit, volume, transfer.opacity)
     seen = seen_voxels(volume, transfer.opacity, mask)
@@ -103,7 +116,7 @@ def dress(
         look, scene, units, chosen=preset is None if chosen is None else chosen, empty=not seen.any()
     )
     return Dressed(
-        scene, look.exposure, look.name, (told, *fit.notes, *hidden), seen_corners(volume, seen)
+        scene, look.exposure, look.name, (told, *fit.notes, *hidden), seen_points(volume, seen)
     )
 
 
@@ -157,27 +170,6 @@ def _fit_hu(look: Look, values: NDArray, units: str, shift: float | None) -> Fit
         f"{high:g}, their 99.9th percentile, as dense bone; --shift (shift=) sets them by hand"
     )
     return Fit(low - factor * AIR_HU, factor, (note,))
-
-
-def transfer_of_look(look: Look, fit: Fit, volume: Volume) -> TransferFunction:
-    """Transfer function of a look with its nodes in their places."""
-
-    def moved(nodes: Nodes) -> Nodes:
-        return tuple((fit.shift + fit.factor * x, *rest) for x, *rest in nodes)
-
-    in_mm = look.units in ("HU", "SUV", "data")
-    unit = look.unit_distance * (1.0 if in_mm else float(volume.spacing.min()))
-    transfer = TransferFunction(Curve(moved(look.opacity)), ColourCurve(moved(look.colour)), unit)
-    if look.emission is not None:
-        transfer = replace(
-            transfer,
-            emission=ColourCurve(moved(look.emission)),
-            emission_scale=look.emission_scale,
-        )
-    if look.gradient_opacity is not None:
-        steps = tuple((fit.factor * g, *rest) for g, *rest in look.gradient_opacity)
-        transfer = replace(transfer, gradient_opacity=Curve(steps))
-    return transfer
 
 
 def _body(

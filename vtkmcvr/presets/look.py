@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from .. import checks
 from ..curves import ColourCurve, Curve
-from ..material import Surface
+from ..material import Surface, TransferFunction
 from ..phases import Isotropic, Phase
 from ..studio import Studio, View
 
@@ -22,7 +22,7 @@ SCALES = {
     "signed": "-1 to 1, symmetric around the value 0, by the 99.9th percentile of the magnitude",
     "labels": "0 to 1 from outside to inside of the labels",
 }
-
+IN_MM = ("HU", "SUV", "data")
 PARTS = {
     "name": str, "about": str, "surface": Surface | None, "studio": Studio, "view": View,
     "phase": Phase,
@@ -92,15 +92,36 @@ class Look:
         for name, kinds in PARTS.items():
             if not isinstance(getattr(self, name), kinds):
                 raise TypeError(f"{name} of a look cannot be {getattr(self, name)!r}")
-        Curve(self.opacity)
-        ColourCurve(self.colour)
-        if self.emission is not None:
-            ColourCurve(self.emission)
-        if self.gradient_opacity is not None:
-            Curve(self.gradient_opacity)
-        checks.number("unit_distance", self.unit_distance, above=0.0)
         checks.number("exposure", self.exposure)
-        checks.number("emission_scale", self.emission_scale, least=0.0)
+        self.transfer()
         if self.body is not None:
             checks.number("body", self.body, least=0.0)
         checks.choice("scattering", self.scattering, ("single", "multiple"))
+
+    def transfer(
+        self, shift: float = 0.0, factor: float = 1.0, edge: float = 1.0
+    ) -> TransferFunction:
+        """Transfer function with the nodes x at shift + factor x, checked.
+
+        Parameters
+        ----------
+        shift, factor : float
+            What places nodes in the values of a volume; factor > 0.
+        edge : float
+            Smallest voxel edge, the unit of `unit_distance` where that is not mm.
+        """
+
+        def moved(nodes: Nodes) -> Nodes:
+            return tuple((shift + factor * x, *rest) for x, *rest in nodes)
+
+        steps = self.gradient_opacity
+        return TransferFunction(
+            Curve(moved(self.opacity)),
+            ColourCurve(moved(self.colour)),
+            self.unit_distance * (1.0 if self.units in IN_MM else edge),
+            emission=None if self.emission is None else ColourCurve(moved(self.emission)),
+            emission_scale=self.emission_scale,
+            gradient_opacity=None
+            if steps is None
+            else Curve(tuple((factor * g, *rest) for g, *rest in steps)),
+        )

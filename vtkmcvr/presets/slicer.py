@@ -72,7 +72,8 @@ def _attributes(item: Any) -> dict[str, Any]:
     try:
         component = item["components"][0]
         light = component.get("lighting", {})
-        points = {name: component[name]["points"] for name in ("scalarOpacity", "rgbTransferFunction")}
+        names = ("scalarOpacity", "rgbTransferFunction")
+        points = {name: component[name]["points"] for name in names}
         gradient = component.get("gradientOpacity", {}).get("points", [])
         return {
             "shade": str(int(bool(component.get("shade", False)))),
@@ -89,7 +90,7 @@ def _attributes(item: Any) -> dict[str, Any]:
 
 def _flat(rows: list[list[Any]]) -> str:
     numbers = [str(x) for row in rows for x in row]
-    return " ".join([str(len(numbers)), *numbers])
+    return " ".join([str(len(numbers)), *numbers]) if numbers else ""
 
 
 def _look(attributes: Mapping[str, str], name: str) -> Look:

@@ -30,7 +30,7 @@ def hu_offset(values: NDArray) -> float | None:
     """
     sample = finite_sample(values)
     low, high = float(sample.min()), float(sample.max())
-    if -4000 <= low <= -500 and 200 < high < 60000:
+    if (-4000 <= low <= -500 and 200 < high < 60000) or (-1100 <= low <= -900 and 0 < high < 200):
         return 0.0
     if low < -100 or high < 1500 or high > 60000:
         return None
