@@ -74,10 +74,10 @@ SHOTS = (
         "--elevation -40", options={"view": View(elevation=-40)},
     ),
     Shot(
-        "ct-vessels", THORAX, "The same chest; without contrast agent bone and chalk are what shows",
+        "ct-vessels", THORAX, "The same chest; without contrast agent bone and chalk show",
         "--azimuth 20 --elevation -35", options={"view": View(azimuth=20, elevation=-35)},
     ),
-    Shot("mr-head", "dicom/mr_head_coronal", "MR of a head, acquired in coronal slices"),
+    Shot("mr-head", "nifti/ch2.nii.gz", "MR template in bytes, without units, cut at the nose"),
     Shot("mr-brain", "nifti/CIT168toMNI152-2009c_T1w_brain.nii.gz", "T1 template without skull"),
     Shot("mr-angio", "nrrd/avf_float_32.nrrd", "Fistula between an artery and a vein"),
     Shot("pet-fusion", "dicom/pt_headneck", "PET: brain, heart, bladder and a tumour of the neck"),
@@ -99,7 +99,7 @@ SHOTS = (
         },
     ),
     Shot("microct", "scivis/engine.nhdr", "Industrial CT of two cylinders of an engine"),
-    Shot("solid", "nifti/ch2.nii.gz", "MR template in bytes, no units"),
+    Shot("solid", "vtk/vase_4comp.vti", "Scan of a vase: red, green, blue and opacity by voxel"),
     Shot("signed", "nifti/zstat1.nii.gz", "Statistic of a functional MR, above and below 0"),
     Shot("cloud", "scivis/ironProt.vtk", "Density of a protein, as mist"),
 )  # fmt: skip
@@ -147,8 +147,8 @@ def page() -> str:
     lines = [
         "# Gallery",
         "",
-        "Every look on a real volume, as it comes out of the command below it: no setting but those "
-        f"that it names, {SIZE} x {SIZE} pixels, {SAMPLES} samples, nothing denoised. "
+        "Every look on a real volume, as it comes out of the command below it: no setting but "
+        f"those that it names, {SIZE} x {SIZE} pixels, {SAMPLES} samples, nothing denoised. "
         "`python examples/gallery.py --data FOLDER` makes them all.",
         "",
     ]

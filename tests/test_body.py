@@ -81,7 +81,7 @@ def test_worth_hiding_counts_what_is_seen():
 @pytest.mark.parametrize("axis", [0, 1])
 def test_slices_may_run_along_any_axis(axis):
     volume, _, _ = lying()
-    turned = np.swapaxes(volume.values, axis, 2 if axis == 0 else 2)
+    turned = np.swapaxes(volume.values, axis, 2)
     matrix = volume.index_to_world.copy()
     column = 2 - axis
     matrix[:, [0, column]] = matrix[:, [column, 0]]

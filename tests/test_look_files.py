@@ -143,7 +143,9 @@ def test_lines_of_any_text_are_read_or_refused(text):
 
 
 def test_a_look_from_a_volume_property():
-    opacity, colour, steps = vtkPiecewiseFunction(), vtkColorTransferFunction(), vtkPiecewiseFunction()
+    opacity, steps, colour = (
+        vtkPiecewiseFunction(), vtkPiecewiseFunction(), vtkColorTransferFunction()
+    )  # fmt: skip
     opacity.AddPoint(10, 0.0)
     opacity.AddPoint(50, 0.5, 0.3, 0.2)
     colour.AddRGBPoint(10, 0.1, 0.2, 0.3)

@@ -15,12 +15,13 @@ from .picture import Display, Picture
 from .presets import Dressed, Look, dress
 from .presets.fit import look_of
 from .presets.framing import view_of_slab
+from .presets.overlay import with_overlay
 from .presets.solids import as_solids, with_segmentation
 from .rendering import render_scene
 from .scene import Camera, Scene, TransferFunction, Volume
 from .schedule import Progress
-from .studio import View, view_camera
 from .segmentation import Segmentation
+from .studio import View, view_camera
 from .volume_info import modality, segments, units
 from .vtk_single import single_volume
 
@@ -41,6 +42,8 @@ def scene_of(
     shift: float | None = None,
     whole: bool = False,
     segmentation: Segmentation | None = None,
+    overlay: Any = None,
+    overlay_preset: str | Look | None = None,
     **effects: Any,
 ) -> Dressed:
     """Scene of a volume: a look, with any part of it replaced.
@@ -62,6 +65,10 @@ def scene_of(
         Also show what a CT look leaves out: the table, what lies close under the skin.
     segmentation : Segmentation, optional
         Labels on the grid of the volume: those chosen become solids, those hidden are left out.
+    overlay : vtkImageData, pyvista.ImageData or Volume, optional
+        A second volume in the same world, such as PET over CT.
+    overlay_preset : str or Look, optional
+        Its look. Default: chosen from its values; of a look that glows, only what glows is seen.
     **effects
         Other fields of `Scene`: surface, phase, scattering, shadow_reach, environment_visible,
         pixel_filter ...
@@ -83,7 +90,9 @@ def scene_of(
         )  # fmt: skip
         if look.units == "labels":
             return as_solids(found, segmentation or _segmentation(data, volume))
-        return found if segmentation is None else with_segmentation(found, segmentation)
+        if segmentation is not None:
+            found = with_segmentation(found, segmentation)
+        return found if overlay is None else _overlaid(found, overlay, overlay_preset)
 
     dressed = dressed_for(camera or view_camera(volume))
     if camera is None:
@@ -106,6 +115,11 @@ def _volume_and_facts(data: Any) -> tuple[Volume, dict[str, str], tuple[str, ...
     if volume.colours is not None:
         modal = "colours"
     return volume, {"units": units(data), "modality": modal}, noted
+
+
+def _overlaid(dressed: Dressed, overlay: Any, preset: str | Look | None) -> Dressed:
+    volume, known, _ = _volume_and_facts(overlay)
+    return with_overlay(dressed, volume, preset, **known)
 
 
 def _segmentation(data: Any, volume: Volume) -> Segmentation:

@@ -93,7 +93,8 @@ def view_camera(
     aspect : float
         Width over height of the film.
     corners : array (n, 3), optional
-        World points that shall fill the view; their middle as seen is the focal point. Default: the corners of the volume.
+        World points that shall fill the view; their middle as seen is the focal point.
+        Default: the corners of the volume.
     """
     if view not in VIEWS:
         raise ValueError(f"view is one of {', '.join(VIEWS)}; got {view!r}")

@@ -9,9 +9,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from ..cutting import Cropping, Shape
-    from ..labels import Labels
     from ..receivers import PlaneReceiver
-    from ..scene import TransferFunction, Volume
+    from ..scene import Volume
 
 AXES = "xyz"
 
@@ -49,7 +48,8 @@ def add_cutting_options(parser: argparse.ArgumentParser) -> None:
 def cutting_options(data: Any, options: dict[str, Any], args: argparse.Namespace) -> dict[str, Any]:
     """`options` of `scene_of` with those of the command line added."""
     chosen = {part: getattr(args, part) for part in ("show", "hide", "highlight")}
-    if not (args.clip or args.crop or args.mask or args.labels or args.floor or any(chosen.values())):
+    asked = (args.clip, args.crop, args.mask, args.labels, args.floor, *chosen.values())
+    if not any(asked):
         return options
     from ..front import scene_of
     from ..scene import Volume

@@ -18,8 +18,8 @@ def add_scene_options(parser: argparse.ArgumentParser, *, all_times: bool = Fals
     add(
         "--preset",
         metavar="NAME",
-        help="look; see `vtkmcvr presets`; or a file: .json, or presets.xml#NAME, .vp of 3D Slicer. "
-        "Default: chosen from the values",
+        help="look, see `vtkmcvr presets`; or a file: .json, or presets.xml#NAME or .vp of "
+        "3D Slicer; default: chosen from the values",
     )
     add("--size", type=parse_size, default=(800, 600), metavar="WxH", help="pixels, default 800x600")
     add("--threads", type=int, help="default: all CPUs of the process")
@@ -35,7 +35,9 @@ def add_scene_options(parser: argparse.ArgumentParser, *, all_times: bool = Fals
         "do not say which way they were stored",
     )
     add("--shift", type=float, help="added to the values to get HU; default: detected")
-    add("--whole", action="store_true", help="also what CT looks leave out: table, skin over lungs")
+    add("--whole", action="store_true", help="also what CT looks leave out: table, skin")
+    add("--overlay", metavar="VOLUME", help="a second volume in the same world, as PET over CT")
+    add("--overlay-preset", metavar="NAME", help="its look; default: chosen from its values")
     add("--environment", metavar="MAP", help="light by this .hdr or .exr panorama instead")
     add_camera_options(parser)
     add_cutting_options(parser)

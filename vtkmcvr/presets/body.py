@@ -23,8 +23,8 @@ ROOM = 5.0
 # Hiding less than this share of what would be seen is not worth a mask
 WORTH = 1e-3
 
-_cache: weakref.WeakKeyDictionary[Volume, dict[tuple[float, float], NDArray | None]]
-_cache = weakref.WeakKeyDictionary()
+Known = dict[tuple[float, float], NDArray | None]
+_cache: weakref.WeakKeyDictionary[Volume, Known] = weakref.WeakKeyDictionary()
 
 
 def body_mask(volume: Volume, level: float, depth: float = 0.0) -> NDArray[np.uint8] | None:
@@ -96,7 +96,7 @@ def _large_parts(dense: Any) -> NDArray[np.uint8]:
 
 
 def _filled(body: NDArray[np.uint8], axial: int) -> NDArray[np.uint8]:
-    """Fill what each axial slice encloses; `axial` is the index axis (i, j, k) that runs along z."""
+    """Fill what each axial slice encloses; `axial` is the index axis (i, j, k) along z."""
     import SimpleITK
 
     slices = np.moveaxis(body, 2 - axial, 0)

@@ -5,9 +5,7 @@ from __future__ import annotations
 from . import ct, general, mr, nuclear
 from .look import Look
 
-LOOKS = {
-    look.name: look for family in (ct, mr, nuclear, general) for look in family.LOOKS
-}
+LOOKS = {look.name: look for family in (ct, mr, nuclear, general) for look in family.LOOKS}
 
 
 def look_named(name: str) -> Look:

@@ -52,11 +52,15 @@ class Dressed:
 
 @dataclass(frozen=True)
 class Fit:
-    """Positions x of a look's nodes are values shift + factor x of the data."""
+    """Positions x of a look's nodes are values shift + factor x of the data.
+
+    `units` are those of the data, where fitting has found them.
+    """
 
     shift: float
     factor: float
     notes: tuple[str, ...] = ()
+    units: str = ""
 
 
 def dress(
@@ -112,9 +116,9 @@ def dress(
         size=size,
         mask=mask,
     )
-    told = _told(
-        look, scene, units, chosen=preset is None if chosen is None else chosen, empty=not seen.any()
-    )
+    if chosen is None:
+        chosen = preset is None
+    told = _told(look, scene, fit.units or units, chosen=chosen, empty=not seen.any())
     return Dressed(
         scene, look.exposure, look.name, (told, *fit.notes, *hidden), seen_points(volume, seen)
     )
@@ -159,7 +163,7 @@ def _fit_hu(look: Look, values: NDArray, units: str, shift: float | None) -> Fit
         return Fit(-shift, 1.0)
     found = 0.0 if units == "HU" else hu_offset(values)
     if found == 0.0:
-        return Fit(0.0, 1.0)
+        return Fit(0.0, 1.0, units="HU")
     if found is not None:
         note = f"values look like HU stored with an offset: {found:+g} is added for the look"
         return Fit(-found, 1.0, (note,))
@@ -192,8 +196,8 @@ def _told(look: Look, scene: Scene, units: str, *, chosen: bool, empty: bool) ->
     unit = f" {units}" if units else " (no units)"
     how = "chosen from the values" if chosen else "as asked"
     line = (
-        f"look {look.name}, {how}: values {sample.min():.5g} to {sample.max():.5g}{unit}, seen from "
-        f"{nodes[0]:.5g} to {nodes[-1]:.5g}, optical depth through the centre "
+        f"look {look.name}, {how}: values {sample.min():.5g} to {sample.max():.5g}{unit}, seen "
+        f"from {nodes[0]:.5g} to {nodes[-1]:.5g}, optical depth through the centre "
         f"{depth_through_centre(scene):.3g}"
     )
     return f"{line}; no value lies there, so there is nothing to see" if empty else line

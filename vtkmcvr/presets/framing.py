@@ -15,7 +15,7 @@ from ..volume import Volume
 SPECKS = 5e-4
 MOST_POINTS = 20000
 # A slab is thinner than this share of its other edges; how far its view is turned then, degrees
-THIN, TILT = 0.4, 55.0
+THIN, TILT = 0.5, 55.0
 
 
 def seen_voxels(volume: Volume, opacity: Curve, mask: NDArray | None) -> NDArray[np.bool_]:
@@ -52,7 +52,8 @@ def seen_points(volume: Volume, seen: NDArray[np.bool_]) -> NDArray[np.float64] 
     inside = np.argwhere(seen[tuple(slice(a, b + 1) for a, b in ends)]) + low
     inside = inside[:: max(1, len(inside) // MOST_POINTS)]
     middle = (low + high) / 2
-    faces = [np.where(np.arange(3) == axis, end, middle) for axis in range(3) for end in (low, high)]
+    axes = np.eye(3, dtype=bool)
+    faces = [np.where(axis, end, middle) for axis in axes for end in (low, high)]
     # Every second voxel was looked at: what is seen may reach one further
     index = np.concatenate([inside, faces])
     index = 2 * index + np.sign(index - middle)

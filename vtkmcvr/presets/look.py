@@ -18,7 +18,7 @@ SCALES = {
     "SUV": "standardised uptake values",
     "data": "the values of the data themselves",
     "relative": "0 to 1 from the lowest value to the 99.9th percentile",
-    "threshold": "0 at the threshold that best splits the values in two, 1 at the 99.9th percentile",
+    "threshold": "0 at the threshold that best splits the values, 1 at the 99.9th percentile",
     "signed": "-1 to 1, symmetric around the value 0, by the 99.9th percentile of the magnitude",
     "labels": "0 to 1 from outside to inside of the labels",
 }

@@ -48,4 +48,3 @@ def with_segmentation(dressed: Dressed, segmentation: Segmentation) -> Dressed:
 
 def _points(solids: Layer) -> NDArray[np.float64] | None:
     return seen_points(solids.volume, solids.volume.values[::2, ::2, ::2] > 0)
-
