@@ -1,6 +1,6 @@
 """Pictures of all looks on real volumes: docs/gallery.md and what it shows.
 
-    python examples/gallery.py --data FOLDER [--only ct-bone,labels] [--samples 256] [-o docs]
+    python examples/gallery.py --data FOLDER [--only ct-bone,labels] [--samples 64] [-o docs]
 
 FOLDER holds the volumes under the paths below; those that are missing are left out. Nothing is
 denoised.
@@ -16,7 +16,7 @@ from vtkmcvr.presets import LOOKS
 from vtkmcvr.segmentation import Segmentation
 from vtkmcvr.studio import View
 
-SIZE, SAMPLES, QUALITY = 320, 256, 88
+SIZE, SAMPLES, QUALITY = 320, 128, 88
 LARGEST_FILE = 60_000
 
 
@@ -41,6 +41,8 @@ class Shot:
         Segmentation beside the volume.
     chosen : dict
         Of `Segmentation`.
+    samples : int
+        Per pixel.
     """
 
     look: str
@@ -52,22 +54,27 @@ class Shot:
     flip: str = ""
     labels: str = ""
     chosen: dict = field(default_factory=dict)
+    samples: int = SAMPLES
 
 
 THORAX, ABDOMEN = "dicom/ct_thorax_lidc0314", "nifti/example_ct.nii.gz"
 LABELS = "nifti/example_ct_labels.nii.gz"
 HEAD = "scivis/cthead/CThead.nhdr"
 SHOTS = (
-    Shot("ct-bone", HEAD, "CT of a head; its values are HU + 1024, which is found out", flip="k"),
-    Shot("ct-skin", HEAD, "The same head; the headrest is left out", flip="k"),
-    Shot("ct-soft", ABDOMEN, "CT of an abdomen at 3 mm, 7 mm below the skin"),
+    Shot(
+        "ct-bone", HEAD, "CT of a head; its values are HU + 1024, which is found out", flip="k",
+        samples=256,
+    ),
+    Shot("ct-skin", HEAD, "The same head; the headrest is left out", flip="k", samples=256),
+    Shot("ct-soft", ABDOMEN, "CT of an abdomen at 3 mm, 7 mm below the skin", samples=256),
     Shot(
         "ct-lung", THORAX, "90 mm of a CT of the chest, from below",
-        "--elevation -60", options={"view": View(elevation=-60)},
+        "--elevation -60", options={"view": View(elevation=-60)}, samples=256,
     ),
     Shot(
         "ct-airways", THORAX, "The same chest: air in windpipe, bronchi and emphysema",
         "--azimuth 20 --elevation -30", options={"view": View(azimuth=20, elevation=-30)},
+        samples=256,
     ),
     Shot(
         "ct-heart", THORAX, "The same chest, 38 mm below the skin; without contrast agent",
@@ -120,12 +127,13 @@ def segmentation_of_shot(shot: Shot, data: Path, image) -> Segmentation | None:
     return Segmentation.of(image, **shot.chosen) if shot.chosen else None
 
 
-def take(shot: Shot, data: Path, samples: int, threads: int | None):
+def take(shot: Shot, data: Path, samples: int | None, threads: int | None):
     """Render a shot."""
     image = volume_of_shot(shot, data)
     segmentation = segmentation_of_shot(shot, data, image)
     return vtkmcvr.render(
-        image, preset=shot.look, segmentation=segmentation, size=(SIZE, SIZE), samples=samples,
+        image, preset=shot.look, segmentation=segmentation, size=(SIZE, SIZE),
+        samples=samples or shot.samples,
         threads=threads, **shot.options,
     )  # fmt: skip
 
@@ -148,7 +156,7 @@ def page() -> str:
         "# Gallery",
         "",
         "Every look on a real volume, as it comes out of the command below it: no setting but "
-        f"those that it names, {SIZE} x {SIZE} pixels, {SAMPLES} samples, nothing denoised. "
+        f"those that it names, {SIZE} x {SIZE} pixels, nothing denoised. "
         "`python examples/gallery.py --data FOLDER` makes them all.",
         "",
     ]
@@ -160,6 +168,7 @@ def page() -> str:
                 f"vtkmcvr render {shot.path} --preset {shot.look}",
                 f"--flip {shot.flip}" if shot.flip else "",
                 shot.words,
+                f"--samples {shot.samples} --size {SIZE}x{SIZE}",
             )
             if part
         )
@@ -182,7 +191,7 @@ def main(arguments: list[str]) -> None:
     parser.add_argument("--data", type=Path, required=True)
     parser.add_argument("-o", "--output", type=Path, default=Path("docs"))
     parser.add_argument("--only", help="names, with commas between")
-    parser.add_argument("--samples", type=int, default=SAMPLES)
+    parser.add_argument("--samples", type=int, help="instead of those of each picture")
     parser.add_argument("--threads", type=int)
     args = parser.parse_args(arguments)
     folder = args.output / "images" / "gallery"

@@ -88,3 +88,18 @@ def test_slices_may_run_along_any_axis(axis):
     other = Volume(np.ascontiguousarray(turned), matrix)
     expected = np.swapaxes(body_mask(volume, -300.0), axis, 2)
     assert np.mean(body_mask(other, -300.0) == expected) > 0.995
+
+
+def test_a_picture_with_a_mask_of_the_body_can_be_replayed(tmp_path):
+    import vtkmcvr
+
+    volume, _, _ = lying()
+    path = tmp_path / "a.png"
+    picture = vtkmcvr.render(volume, preset="ct-bone", size=(16, 12), samples=2, threads=1)
+    assert picture.plan.scene.mask is not None
+    picture.save(path)
+    again = vtkmcvr.replay(path, volume, threads=1)
+    assert again.identical
+    other = Volume(np.where(volume.values > 500, 0, volume.values), volume.index_to_world)
+    with pytest.raises(ValueError, match="made of other data"):
+        vtkmcvr.replay(path, other)

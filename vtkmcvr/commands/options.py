@@ -18,10 +18,10 @@ def add_scene_options(parser: argparse.ArgumentParser, *, all_times: bool = Fals
     add(
         "--preset",
         metavar="NAME",
-        help="look, see `vtkmcvr presets`; or a file: .json, or presets.xml#NAME or .vp of "
-        "3D Slicer; default: chosen from the values",
+        help="look, see `vtkmcvr presets`; or a file: .json, presets.xml#NAME or .vp of 3D "
+        "Slicer. Default: chosen from the values",
     )
-    add("--size", type=parse_size, default=(800, 600), metavar="WxH", help="pixels, default 800x600")
+    add("--size", type=parse_size, default=(800, 600), metavar="WxH", help="default 800x600")
     add("--threads", type=int, help="default: all CPUs of the process")
     add("--view", help="front back left right top bottom: side of the patient seen")
     add("--azimuth", type=float, help="degrees around the volume, to the right")

@@ -52,7 +52,7 @@ def body_mask(volume: Volume, level: float, depth: float = 0.0) -> NDArray[np.ui
 def worth_hiding(mask: NDArray, seen: NDArray[np.bool_]) -> bool:
     """Whether a mask hides more than a trace of the voxels that are seen."""
     total = int(np.count_nonzero(seen))
-    return total > 0 and np.count_nonzero(seen & (mask == 0)) > WORTH * total
+    return bool(total > 0 and np.count_nonzero(seen & (mask == 0)) > WORTH * total)
 
 
 def _mask(volume: Volume, level: float, depth: float) -> NDArray[np.uint8] | None:
