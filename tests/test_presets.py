@@ -126,7 +126,9 @@ def test_relative_look_follows_the_range():
 
 @pytest.mark.parametrize("values", [np.zeros((4, 4, 4)), np.full((4, 4, 4), np.nan)])
 def test_constant_and_empty_volumes_can_be_dressed(values):
-    assert dressed(Volume.from_grid(values)).preset == "solid"
+    result = dressed(Volume.from_grid(values))
+    assert result.preset == "solid"
+    assert result.notes[0].endswith("there is nothing to see")
 
 
 def test_unknown_preset_lists_the_looks():

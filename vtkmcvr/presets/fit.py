@@ -151,7 +151,9 @@ def fit_look(look: Look, volume: Volume, units: str = "", shift: float | None = 
         note = f"the values are not SUV: {look.name} takes {high:g}, their 99.9th percentile, as 10"
         return Fit(0.0, max(high, 1e-30) / HIGH_SUV, (note,))
     if look.units == "threshold":
-        low = object_threshold(volume.values)
+        flat = not np.ptp(finite_sample(volume.values))
+        # Of values that are all equal none is an object
+        low, high = (high, high + 1) if flat else (object_threshold(volume.values), high)
     if look.units == "signed":
         sample = finite_sample(volume.values)
         low, high = 0.0, float(np.percentile(np.abs(sample), 99.9)) or 1.0

@@ -21,7 +21,8 @@ THIN, TILT = 0.5, 55.0
 def seen_voxels(volume: Volume, opacity: Curve, mask: NDArray | None) -> NDArray[np.bool_]:
     """Voxels of every second plane along each axis whose opacity is above 0, (k, j, i)."""
     values = volume.values[::2, ::2, ::2]
-    seen = opacity(np.where(np.isfinite(values), values, np.nan)) > 0
+    finite = np.isfinite(values)
+    seen = finite & (opacity(np.where(finite, values, 0)) > 0)
     return seen if mask is None else seen & (mask[::2, ::2, ::2] != 0)
 
 
