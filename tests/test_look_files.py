@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from vtkmodules.vtkCommonDataModel import vtkPiecewiseFunction
+from vtkmodules.util.numpy_support import numpy_to_vtk
+from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction
 from vtkmodules.vtkRenderingCore import vtkColorTransferFunction, vtkVolumeProperty
 
 from vtkmcvr.cli import main
@@ -14,7 +15,7 @@ from vtkmcvr.phantom import head_phantom
 from vtkmcvr.presets import LOOKS, dress, read_look, read_looks, write_look
 from vtkmcvr.scene import Volume
 from vtkmcvr.studio import view_camera
-from vtkmcvr.vtk_look import look_of_property
+from vtkmcvr.vtk_look import look_of_property, property_of_look
 
 # As 3D Slicer writes them, with made-up numbers
 SCALAR, GRADIENT = "6 -3000 0 200 0.1 1000 0.8", "4 0 1 255 1"
@@ -168,6 +169,25 @@ def test_a_look_from_a_volume_property():
     transfer = dress(volume, view_camera(volume), look, size=(8, 6)).scene.transfer
     assert transfer.opacity(50.0) == 0.5
     assert transfer.gradient_opacity(9.0) == 1.0
+
+
+def test_a_property_of_a_look_for_an_image():
+    from vtkmcvr.vtk_property import surface_of, transfer_of
+
+    head = head_phantom(24)
+    image = vtkImageData()
+    image.SetDimensions(*head.values.shape[::-1])
+    stored = (np.clip(head.values, -1024, None) + 1024).astype(np.uint16)
+    image.GetPointData().SetScalars(numpy_to_vtk(stored.ravel(), deep=True))
+    made = property_of_look("ct-bone", image)
+    volume = Volume.from_grid(stored)
+    scene = dress(volume, view_camera(volume), "ct-bone", size=(8, 6)).scene
+    x = np.linspace(0, 3000, 99)
+    np.testing.assert_allclose(transfer_of(made).opacity(x), scene.transfer.opacity(x), atol=1e-9)
+    np.testing.assert_allclose(transfer_of(made).colour(x), scene.transfer.colour(x), atol=1e-9)
+    back = surface_of(made)
+    assert back.exponent == pytest.approx(scene.surface.exponent)
+    np.testing.assert_allclose(back.specular, scene.surface.specular, rtol=1e-6)
 
 
 def test_command_lists_exports_and_imports(tmp_path, capsys):

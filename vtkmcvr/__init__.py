@@ -63,6 +63,7 @@ _HOME = {
     "read_look": "presets",
     "write_look": "presets",
     "look_of_property": "vtk_look",
+    "property_of_look": "vtk_look",
     "PlaneReceiver": "receivers",
     "BoxReceiver": "receivers",
     "SphereReceiver": "receivers",
@@ -148,7 +149,7 @@ if TYPE_CHECKING:
     )
     from .segmentation import Segmentation
     from .studio import view_camera
-    from .vtk_look import look_of_property
+    from .vtk_look import look_of_property, property_of_look
 
 
 def __getattr__(name: str) -> Any:
