@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction
 from vtkmodules.vtkRenderingCore import vtkColorTransferFunction, vtkVolumeProperty
 
@@ -89,7 +90,7 @@ def property_of_look(look: Look | str, image: vtkImageData) -> vtkVolumeProperty
         power = chosen.surface.exponent / 4
         made.ShadeOn()
         made.SetSpecularPower(power)
-        made.SetSpecular(min(1.0, max(chosen.surface.specular) * (4 * power + 2) / 8))
+        made.SetSpecular(min(1.0, float(np.max(chosen.surface.specular)) * (4 * power + 2) / 8))
     return made
 
 
