@@ -45,11 +45,6 @@ class Beams:
     def __len__(self) -> int:
         return len(self.weight)
 
-    def beam(self, index: int) -> packed.Beam:
-        """One direction, for kernels."""
-        x, y = self.sideways[index]
-        return packed.Beam(f32(x), f32(y), f32(self.weight[index]))
-
     def routes(self, raster: Raster) -> list[Route]:
         """How the raster of each beam moves from layer to layer."""
         planes = raster.near + raster.thickness * np.arange(raster.count + 1)

@@ -26,7 +26,8 @@ class OcclusionPicture:
     Attributes
     ----------
     planes : dict of arrays
-        "radiance", "alpha", "depth" and, if asked for, "normal", as the properties give them.
+        "radiance", "alpha", "depth" and, if asked for, "albedo" and "normal", as the properties
+        give them.
     plan : Plan
         Effects with reasons, and the scene.
     settings : Occlusion
@@ -56,7 +57,6 @@ class OcclusionPicture:
 
     # Biased and deterministic: there is no standard error to give, and no noise to reduce
     standard_error = None
-    albedo = None
     denoiser = None
     nrms = float("inf")
     biased = True
@@ -76,6 +76,11 @@ class OcclusionPicture:
     def depth(self) -> NDArray[np.float32]:
         """Mean distance from camera to first collision, (H, W), world units; inf: none."""
         return self.planes["depth"]
+
+    @property
+    def albedo(self) -> NDArray[np.float32] | None:
+        """Mean albedo of what is seen, (H, W, 3), times alpha; None: not asked for."""
+        return self.planes.get("albedo")
 
     @property
     def normal(self) -> NDArray[np.float32] | None:
