@@ -207,21 +207,14 @@ def span_of(perspective):
     return perspective.span
 
 
-@device
-def colour_of(tinted, depth, channel):
-    """Optical depth of the layers for a colour of light."""
-    if tinted is None:
-        return depth
-    return tinted[channel]
-
-
 @kernel
 def trace_beams(
     perspective, cone, beams, members, bright, buffers, origins, places, first, start, zooms,
-    layers, filled, visible, light, weight, spare,
+    layers, tinted, filled, visible, light, weight, spare,
 ):  # fmt: skip
     """Take some beams through a block of layers: what the eye sees of them, and their shadows.
 
+    `tinted` is the layers' optical depth for light of one or three colours, [colour, ...].
     `beams` (n, 3) are sideways measures and weights, `members` the numbers of those to take;
     `buffers` and `origins` are [beam, colour, ...]. `places` (m, 2): by how many rows and columns a
     beam's raster has moved, for each layer in each of the parts in which it is crossed;
@@ -234,17 +227,17 @@ def trace_beams(
     for k in members:
         beam = Beam(beams[k, 0], beams[k, 1], beams[k, 2])
         for channel in range(buffers.shape[1]):
-            tinted = colour_of(layers.tinted, layers.depth, channel)
+            own = tinted[channel]
             buffer, origin = buffers[k, channel], origins[k, channel]
             for layer in range(count):
                 a, b = first[k, start + layer], first[k, start + layer + 1]
                 y, x = places[(a + b) // 2, 0], places[(a + b) // 2, 1]
                 held(buffer, origin, y, x, rows, columns)
                 gather(
-                    perspective, cone, beam, zooms[layer], bright, buffer, origin, layers, tinted,
+                    perspective, cone, beam, zooms[layer], bright, buffer, origin, layers, own,
                     visible, layer, y, x, light[channel], weight if channel == 0 else spare,
                 )  # fmt: skip
                 for place in range(a, b):
                     y, x = places[place, 0], places[place, 1]
                     held(buffer, origin, y, x, rows, columns)
-                    attenuate(buffer, origin, tinted, filled, layer, y, x, ONE / f32(b - a))
+                    attenuate(buffer, origin, own, filled, layer, y, x, ONE / f32(b - a))

@@ -10,10 +10,9 @@ from typing import Any, NoReturn
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import __version__, picture_files
+from .. import picture_files
 from ..picture import check_suffix
 from ..plan import Plan
-from ..recipe import FORMAT
 from ..screen import Display, shown
 from .settings import Occlusion
 from .sweep import Work
@@ -159,7 +158,9 @@ class OcclusionPicture:
         return target
 
     def _recipe(self) -> dict[str, Any]:
-        """What the front door noted, and what came out."""
+        """What the front door noted, what came out, and what `vtkmcvr.replay` reads."""
+        from .recipe import replay_part
+
         return {
             **self.recipe,
             "technique": "occlusion",
@@ -167,7 +168,7 @@ class OcclusionPicture:
             "exposure": self.display.exposure,
             "background": self.display.background,
             "measured": {"seconds": self.seconds, "nrms": None, "stopped_by": self.stopped_by},
-            "replay": {"format": FORMAT, "version": __version__},
+            "replay": replay_part(self.plan.scene, self.settings, self.display, self.planes),
         }
 
     def __str__(self) -> str:

@@ -65,6 +65,11 @@ class Raster:
         return self.near + self.count * self.thickness
 
     @property
+    def pixel(self) -> float:
+        """Size of a pixel half way through, world units."""
+        return self.pitch if self.parallel else self.pitch * (self.near + self.far) / 2
+
+    @property
     def obliqueness(self) -> float:
         """Largest tangent between a view ray and the view axis."""
         if self.parallel:

@@ -20,7 +20,7 @@ from ..schedule import Progress, default_threads
 from ..screen import Display
 from .ambient import ambient_radiance
 from .beams import beams_of
-from .explain import effects_of
+from .explain import effects_of, most_extinction
 from .medium import OPAQUE, Filling, volumes_of
 from .picture import OcclusionPicture
 from .raster import Raster, raster_of
@@ -32,10 +32,8 @@ from .traced import Traced
 
 # At detail 1: size of the raster's pixels and thickness of slices, in voxels
 PIXEL, LAYER = 0.75, 0.4
-# Slices of a small volume, at detail 1
-FEWEST = 400
-# Optical depth of a slice to which the default mode limits the medium as light meets it
-DEEPEST_LAYER = 0.4
+# Voxels across the view below which a volume is small: there detail is up to `SMALLEST` times finer
+SMALL, SMALLEST = 160, 0.6
 # Pixels of a refined raster
 MOST_PIXELS, MOST_FINE = 2**23, 8
 
@@ -97,7 +95,9 @@ def render_occlusion(
     radiance = ambient_radiance(scene) if occlusion.radiance is None else occlusion.radiance
     film.radiance[:] *= np.asarray(radiance, f32)
     planes = resolve(film, fine, scene.pixel_filter)
-    effects, notes = effects_of(scene, planned, occlusion, raster, fine)
+    effects, notes = effects_of(
+        scene, planned, occlusion, raster, fine, _axis(scene, occlusion)
+    )
     return OcclusionPicture(
         planes, replace(planned, scene=scene, effects=effects, notes=notes), occlusion,
         display or Display(), perf_counter() - begin, "end" if ended else "user", threads,
@@ -150,12 +150,13 @@ def layout(scene: Scene, occlusion: Occlusion) -> tuple[Plan, Raster, int]:
     )
     planned = plan(bare)
     voxel = min(_voxel(volume) for volume in (scene.volume, *(v.volume for v in scene.layers)))
-    layer = LAYER * voxel / occlusion.detail
-    raster = raster_of(planned, layer)
-    if raster.count:
-        slices = occlusion.slices or max(raster.count, round(FEWEST * occlusion.detail))
-        layer = (raster.far - raster.near) / slices
-    fine = _refinement(scene, raster, voxel / occlusion.detail)
+    raster = raster_of(planned, LAYER * voxel)
+    across = (raster.far - raster.near) / voxel
+    grain = voxel * float(np.clip(across / SMALL, SMALLEST, 1)) / occlusion.detail
+    layer = LAYER * grain
+    if occlusion.slices is not None and raster.count:
+        layer = (raster.far - raster.near) / occlusion.slices
+    fine = _refinement(scene, raster, grain)
     if occlusion.mode == "paper":
         fine = 1
     if fine > 1:
@@ -173,18 +174,15 @@ def _voxel(volume: Volume) -> float:
 PLAIN: dict[str, Any] = {"scattering": "single", "max_scatterings": None, "aovs": ()}
 
 
-def _refinement(scene: Scene, raster: Raster, voxel: float) -> int:
+def _refinement(scene: Scene, raster: Raster, grain: float) -> int:
     """How many times finer than the film's the raster's pixels are."""
-    pixel = raster.pitch
-    if not raster.parallel:
-        pixel *= (raster.near + raster.far) / 2
     width, height = scene.size
     most = max(1, math.isqrt(MOST_PIXELS // (width * height)))
-    return int(np.clip(math.ceil(pixel / (PIXEL * voxel) - 0.1), 1, min(most, MOST_FINE)))
+    return int(np.clip(math.ceil(raster.pixel / (PIXEL * grain) - 0.1), 1, min(most, MOST_FINE)))
 
 
 def _filling(planned: Plan, occlusion: Occlusion, raster: Raster) -> Filling:
-    most = DEEPEST_LAYER / raster.thickness if occlusion.mode == "default" else math.inf
+    most = most_extinction(raster) if occlusion.mode == "default" else math.inf
     return Filling(
         volumes_of(planned, most), occlusion.bleeding or None,
         OPAQUE if occlusion.skip else 0.0, occlusion.skip,
