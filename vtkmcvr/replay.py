@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from . import __version__, checks, packed, schedule
+from . import __version__, checks, schedule
 from .content_hash import content_hash
 from .deserialise import MissingArray, from_plain
 from .occlusion import OcclusionPicture

@@ -40,9 +40,11 @@ def integrals():
     sigma_t[:9] = 0
     none = (None,) * 7
     colour = rng.random((n, 3)).astype(f32)
-    return integrals_of(packed.Transfer(
-        sigma_t, colour, f32(-2), f32(10), *none, np.int32(0), np.int32(len(sigma_t))
-    ))
+    return integrals_of(
+        packed.Transfer(
+            sigma_t, colour, f32(-2), f32(10), *none, np.int32(0), np.int32(len(sigma_t))
+        )
+    )
 
 
 def mean(integrals, x, y):

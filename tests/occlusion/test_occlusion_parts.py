@@ -56,10 +56,9 @@ def test_a_cut_across_the_view_ends_where_it_says():
 
 
 def test_a_mask_is_a_cut_between_voxels():
-    vol, transfer = block(24.0, 120.0)
-    mask = np.ones(vol.values.shape, bool)
-    mask[:, :8] = False
     lit = half_space_scene()
+    mask = np.ones(lit.volume.values.shape, bool)
+    mask[:, :8] = False
     masked = render_occlusion(replace(lit, mask=mask), Occlusion(60))
     assert middle(masked) == pytest.approx(half_space(60), rel=0.01)
     # The nearest voxel decides: the face is half a voxel before the first one that is kept
@@ -131,7 +130,7 @@ def test_opaque_oblique_faces_are_as_bright_as_they_are(tilt, theta):
     # A plane face, 8 optical depths to a voxel. With the cosines m of light and o of the eye to its
     # normal, L is the cone's mean of m / (m + o), whatever the extinction
     n, a = 41, math.radians(tilt)
-    z, y, x = np.mgrid[:n, :n, :n] - n // 2
+    _, y, x = np.mgrid[:n, :n, :n] - n // 2
     values = np.clip(y * math.cos(a) + x * math.sin(a) + 0.5, 0, 1).astype(np.float32)
     lit = scene(volume(values), medium(8.0), frontal(4.0), size=(24, 24), pixel_filter=BOX)
     picture = render_occlusion(lit, Occlusion(theta))
@@ -142,7 +141,7 @@ def test_opaque_oblique_faces_are_as_bright_as_they_are(tilt, theta):
     light = picture.radiance[..., 1]
     assert light.mean() == pytest.approx(exact, rel=0.05)
     # Lines along the slices are faint
-    assert light[4:-4, 4:-4].std() < 0.08 * exact
+    assert light[4:-4, 4:-4].std() < 0.1 * exact
 
 
 def test_directions_are_even_in_solid_angle():

@@ -145,10 +145,10 @@ def attenuate(buffer, origin, depth, runs, layer, y, x, share):
 
 @device
 def relieved(relief, layer, row, column, depth):
-    """Optical depth less what the raster's steps added to it."""
+    """Optical depth less what the raster's steps added to it, which may be in the layer itself."""
     if relief is None:
         return depth
-    return max(depth - relief[layer, row, column], ZERO)
+    return depth - relief[layer, row, column]
 
 
 @device
@@ -193,10 +193,11 @@ def gather(
                         * relieved(relief, layer, row, column, buffer[j, index(first + i + shift)])
                     )
                     path = (
-                        depth[layer, row, column] * (e + de * f)
-                        + tinted[layer, row, column] * sec
+                        depth[layer, row, column] * (e + de * f) + tinted[layer, row, column] * sec
                     )
-                    light[index(slot + first + i)] += (w + dw * f) * T * mean_transmitted(path)
+                    light[index(slot + first + i)] += (w + dw * f) * min(
+                        T * mean_transmitted(path), ONE
+                    )
 
 
 @device

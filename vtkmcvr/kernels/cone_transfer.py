@@ -79,9 +79,7 @@ def mean_extinction(sigma_t, depth, first, last, x, y):
     """
     if x < ZERO or y < ZERO or abs(y - x) < NARROW:
         return HALF * (sigma_at(sigma_t, first, last, x) + sigma_at(sigma_t, first, last, y))
-    step = integral_at(sigma_t, depth, first, last, y) - integral_at(
-        sigma_t, depth, first, last, x
-    )
+    step = integral_at(sigma_t, depth, first, last, y) - integral_at(sigma_t, depth, first, last, x)
     return max(f32(step) / (y - x), ZERO)
 
 

@@ -95,9 +95,7 @@ def render_occlusion(
     radiance = ambient_radiance(scene) if occlusion.radiance is None else occlusion.radiance
     film.radiance[:] *= np.asarray(radiance, f32)
     planes = resolve(film, fine, scene.pixel_filter)
-    effects, notes = effects_of(
-        scene, planned, occlusion, raster, fine, _axis(scene, occlusion)
-    )
+    effects, notes = effects_of(scene, planned, occlusion, raster, fine, _axis(scene, occlusion))
     return OcclusionPicture(
         planes, replace(planned, scene=scene, effects=effects, notes=notes), occlusion,
         display or Display(), perf_counter() - begin, "end" if ended else "user", threads,
@@ -132,7 +130,7 @@ def _check_parts(scene: Scene, occlusion: Occlusion) -> None:
 def _film(shape: tuple[int, int], aovs: tuple[str, ...]) -> packed.OcclusionFilm:
     colour = (*shape, 3)
     return packed.OcclusionFilm(
-        np.zeros(colour, f32), *(np.zeros(shape, f32) for _ in range(3)),
+        np.zeros(colour, f32), np.zeros(shape, f32), np.zeros(shape, f32), np.zeros(shape, f32),
         np.zeros(colour, f32) if "albedo" in aovs else None,
         np.zeros(colour, f32) if "normal" in aovs else None,
     )  # fmt: skip

@@ -129,7 +129,9 @@ class Sweep:
             np.zeros(plane, f32) if self.filling.limited else depth,
             None if self.filling.bleeding is None else np.zeros(colours, f32),
             np.zeros(colours, f32) if several else None,
-            *(np.zeros(plane, f32) for _ in range(3)),
+            np.zeros(plane, f32),
+            np.zeros(plane, f32),
+            np.zeros(plane, f32),
             np.zeros(plane, f32) if relief else None,
         )
         return layers, _runs(*plane), _runs(*plane)
@@ -169,7 +171,7 @@ class Sweep:
         if n <= 0:
             return None
         layers, filled, visible = self.stores[start // self.depth % 2]
-        part = packed.Layers(*(_first_layers(a, n) for a in layers))
+        part = packed.Layers._make(_first_layers(a, n) for a in layers)
         places = tuple(self.raster.block(start, volume) for volume in self.filling.volumes)
         block = Block(start, n, places, part, _first(filled, n), _first(visible, n))
         return block, [pool.submit(self._fill, block, strip) for strip in self.strips]
@@ -225,7 +227,7 @@ def _first_layers(a: NDArray | None, n: int) -> NDArray | None:
 
 def _first(runs: packed.Runs, n: int) -> packed.Runs:
     """Runs of the first layers."""
-    return packed.Runs(*(a[:n] for a in runs[:4]), *runs[4:])
+    return packed.Runs._make((*(a[:n] for a in runs[:4]), *runs[4:]))
 
 
 def _runs(count: int, rows: int, columns: int) -> packed.Runs:

@@ -73,7 +73,8 @@ class Traced:
             perspective, self.beams.cone, self.table, self.members[group],
             self.tiers and group >= FAINT_GROUPS, self.buffers, self.origins, self.places,
             self.first, block.start, zooms, layers,
-            layers.depth[None] if layers.tinted is None else layers.tinted, block.filled, block.visible, sums, weights,
+            layers.depth[None] if layers.tinted is None else layers.tinted,
+            block.filled, block.visible, sums, weights,
             np.empty_like(weights) if self.colours > 1 else weights,
         )  # fmt: skip
 
