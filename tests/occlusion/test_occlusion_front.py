@@ -64,7 +64,8 @@ def test_radiance_in_place_of_lights(light, expected):
 def test_command_line(tmp_path, capsys):
     out, facts = tmp_path / "a.npz", tmp_path / "a.json"
     demo = ["demo", "-o", str(out), "--technique", "occlusion", "--theta", "40", "--size", "32x24",
-            "--toward-light", "-0.5", "-1", "0.2", "--slices", "90", "--json", str(facts), "--threads", "2"]  # fmt: skip
+            "--toward-light", "-0.5", "-1", "0.2", "--slices", "90", "--json",
+            str(facts), "--threads", "2"]  # fmt: skip
     assert main(demo) == 0
     text = capsys.readouterr().out
     assert "cone of 40 degrees" in text and "biased" in text

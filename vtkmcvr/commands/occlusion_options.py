@@ -28,7 +28,7 @@ def add_occlusion_options(parser: argparse.ArgumentParser) -> None:
     add("--grid", type=int, help="occlusion: n of the n x n samples of --mode paper")
     add("--bleeding", type=float, help="occlusion: share of light that goes on in colour, 0 to 1")
     add("--toward-light", nargs=3, type=float, metavar=("X", "Y", "Z"),
-        help="occlusion: world direction of the cone's axis; default, each pixel's view ray")  # fmt: skip
+        help="occlusion: world direction of the cone's axis; default, the view ray")  # fmt: skip
     add("--exact-distance", action="store_true", help="occlusion: --mode paper by Algorithm 2")
     add("--shaded", action="store_true", help="occlusion: surfaces shaded by their gradients")
 
