@@ -18,6 +18,7 @@ from .occlusion.recipe import film_hash as occlusion_hash
 from .occlusion.recipe import render_again
 from .picture import Display, Picture
 from .plan import Plan, plan
+from .presets.recorded import recorded_masks
 from .recipe import FORMAT, counts_of, film_hash
 from .recipe_files import read_recipe
 from .rendering import empty_film
@@ -77,7 +78,7 @@ def replay(
     """
     recipe = source if isinstance(source, dict) else read_recipe(source)
     part = _replay_part(recipe)
-    scene = _scene(part, [_values(item) for item in _items(data)])
+    scene = _scene(recipe, part, [_values(item) for item in _items(data)])
     noted = {name: value for name, value in recipe.items() if name not in ("measured", "replay")}
     if recipe.get("technique") == "occlusion":
         again = render_again(scene, part, noted, threads, progress, abort)
@@ -130,12 +131,13 @@ def _replay_part(recipe: dict[str, Any]) -> dict[str, Any]:
 # Scene
 
 
-def _scene(part: dict[str, Any], given: Sequence[NDArray[Any]]) -> Scene:
+def _scene(recipe: dict[str, Any], part: dict[str, Any], given: Sequence[NDArray[Any]]) -> Scene:
     arrays = {content_hash(array): array for array in given}
     try:
         scene = from_plain(part.get("scene"), arrays)
     except MissingArray as missing:
         arrays |= _phantom_like(missing)
+        arrays |= recorded_masks(recipe, part.get("scene") or {}, list(arrays.values()))
         try:
             scene = from_plain(part.get("scene"), arrays)
         except MissingArray as still:
