@@ -6,7 +6,7 @@ from ..effects import Effect
 from ..plan import Plan
 from ..scene import Scene
 from .raster import Raster
-from .settings import Occlusion
+from .settings import MOST_SLICES, Occlusion
 
 # Optical depth of a pixel of the raster above which surfaces come out darker than they are
 HARD = 2.0
@@ -66,4 +66,6 @@ def _notes(plan: Plan, raster: Raster, occlusion: Occlusion) -> tuple[str, ...]:
             f"a pixel of light is up to {depth:.1f} optical depths wide: oblique surfaces come out "
             f"too dark; more detail than {occlusion.detail:g} helps"
         )
+    if occlusion.slices is None and raster.count >= MOST_SLICES:
+        notes.append(f"slices are {raster.count}, thicker than half a voxel")
     return tuple(notes)

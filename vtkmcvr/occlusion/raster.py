@@ -14,7 +14,8 @@ from ..plan import Plan
 
 # Occluders are looked for this far beside the film, in shares of its longer side
 MARGIN = 0.5
-# Depth of the first plane for an eye inside the volume, in layers
+# Depth of the first plane for an eye inside the volume, in layers; rays of a parallel view do not
+# meet in an eye
 NEAREST = 0.25
 
 
@@ -124,7 +125,7 @@ def raster_of(plan: Plan, layer: float, margin: float = MARGIN) -> Raster:
     points = (_box(plan) - np.array(camera.origin)) @ axes.T
     heading = axes @ np.array(camera.direction)
     depth = points[:, 2]
-    near = max(float(depth.min()), NEAREST * layer)
+    near = max(float(depth.min()), 0.0 if parallel else NEAREST * layer)
     count = 0 if plan.empty else max(0, math.ceil((float(depth.max()) - near) / layer))
     if parallel:
         film = (points - depth[:, None] * heading)[:, :2] / pitch

@@ -25,7 +25,7 @@ from .medium import OPAQUE, Filling, integrals_of
 from .picture import OcclusionPicture
 from .raster import Raster, raster_of
 from .resolve import resolve
-from .settings import Occlusion
+from .settings import MOST_SLICES, Occlusion
 from .single import Blurred, Published
 from .sweep import Light, Sweep
 from .traced import Traced
@@ -143,6 +143,9 @@ def layout(scene: Scene, occlusion: Occlusion) -> tuple[Plan, Raster, int]:
     raster = raster_of(planned, layer)
     if occlusion.slices is not None and raster.count:
         layer = (raster.far - raster.near) / occlusion.slices
+    elif raster.count > MOST_SLICES:
+        # Voxels thousands of times longer than they are thick, seen along their long side
+        layer = (raster.far - raster.near) / MOST_SLICES
     fine = _refinement(scene, raster, voxel / occlusion.detail)
     if occlusion.mode == "paper":
         fine = 1
