@@ -26,7 +26,7 @@ from vtkmcvr.rendering import render_scene
 from vtkmcvr.scene import Camera, HenyeyGreenstein, Surface
 
 TOLERANCE, SIGMAS = 1e-3, 4.5
-PIXELS, STEPS, SHADOW_STEPS, LIGHT_POINTS = 32, 600, 300, 8
+PIXELS, STEPS, SHADOW_STEPS, LIGHT_POINTS = 32, 400, 100, 6
 ESTIMATORS = {
     "local majorants, MIS": {},
     "global majorant": {"estimator": "woodcock"},

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 ROWS = pytest.StashKey[list]()
-WATCHDOG_SECONDS = 600
+WATCHDOG_SECONDS = 300
 
 
 def pytest_configure(config):

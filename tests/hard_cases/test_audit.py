@@ -107,7 +107,7 @@ def run_audit(package_parent, cache):
     )
     done = subprocess.run(
         [sys.executable, "-c", code, str(package_parent), str(script)], env=environment,
-        capture_output=True, text=True, timeout=600,
+        capture_output=True, text=True, timeout=600, cwd=package_parent,
     )  # fmt: skip
     assert "Error" not in done.stderr, done.stderr
     return done.returncode
