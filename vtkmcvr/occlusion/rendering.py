@@ -23,7 +23,7 @@ from .beams import beams_of
 from .explain import effects_of
 from .medium import OPAQUE, Filling, integrals_of
 from .picture import OcclusionPicture
-from .raster import Raster, raster_of
+from .raster import MARGIN, Raster, raster_of
 from .resolve import resolve
 from .settings import MOST_SLICES, Occlusion
 from .single import Blurred, Published
@@ -36,6 +36,8 @@ PIXEL, LAYER = 0.75, 0.55
 UNKNOWN = ("clip", "crop", "labels", "receivers", "layers")
 # Pixels of a refined raster
 MOST_PIXELS, MOST_FINE = 2**23, 8
+# Pixels of a raster with its margin, of small films
+FEWEST_LIMIT = 2**21
 
 
 def render_occlusion(
@@ -140,7 +142,7 @@ def layout(scene: Scene, occlusion: Occlusion) -> tuple[Plan, Raster, int]:
     spacing = scene.volume.spacing
     voxel = min(float(np.prod(spacing)) ** (1 / 3), 2 * float(spacing.min()))
     layer = LAYER * voxel / occlusion.detail
-    raster = raster_of(planned, layer)
+    raster = _fitting(planned, layer)
     if occlusion.slices is not None and raster.count:
         layer = (raster.far - raster.near) / occlusion.slices
     elif raster.count > MOST_SLICES:
@@ -152,7 +154,19 @@ def layout(scene: Scene, occlusion: Occlusion) -> tuple[Plan, Raster, int]:
     if fine > 1:
         width, height = scene.size
         planned = plan(replace(bare, size=(width * fine, height * fine)))
-    return planned, raster_of(planned, layer), fine
+    return planned, _fitting(planned, layer), fine
+
+
+def _fitting(planned: Plan, layer: float) -> Raster:
+    """Raster with as wide a margin as fits: beside a film of 10 000 x 1 pixels that is little."""
+    width, height = planned.scene.size
+    most = max(FEWEST_LIMIT, 4 * width * height)
+    margin = MARGIN
+    raster = raster_of(planned, layer, margin)
+    while raster.columns * raster.rows > most:
+        margin /= 2
+        raster = raster_of(planned, layer, margin)
+    return raster
 
 
 # Parts of a scene that only Monte Carlo has
