@@ -16,7 +16,7 @@ from random_scenes import KERNEL_TYPES, OTHER_TYPES, plain_scenes, rich_scenes, 
 from scenes import blob, everything, frontal, mean_and_error, medium, noise, scene, volume
 from techniques import MONTE_CARLO, SKY, by_monte_carlo, every_technique, picture_by
 
-from vtkmcvr.lights import DirectionalLight
+from vtkmcvr.lights import DirectionalLight, EnvironmentMap
 from vtkmcvr.occlusion import Occlusion, render_occlusion
 from vtkmcvr.plan import plan
 from vtkmcvr.rendering import render_scene
@@ -157,12 +157,18 @@ def test_units_of_length_do_not_matter(record, technique, factor):
     np.testing.assert_allclose(a.depth / factor, b.depth, rtol=1e-6)
 
 
+def brighter(light, factor):
+    if isinstance(light, EnvironmentMap):
+        return replace(light, scale=light.scale * factor)
+    return light.with_brightness(np.multiply(light.brightness, factor))
+
+
 @pytest.mark.parametrize("factor", [2.0**-60, 2.0**60])
 @by_monte_carlo
 def test_twice_the_light_is_twice_the_picture(record, technique, factor):
     def picture(k):
-        lights = [light.with_brightness(np.multiply(light.brightness, k)) for light in some.lights]
-        return picture_by(technique, replace(some, lights=tuple(lights)), 8)
+        lights = tuple(brighter(light, k) for light in some.lights)
+        return picture_by(technique, replace(some, lights=lights), 8)
 
     some = everything(DirectionalLight((1, 2, -1.5), 2.0))
     a, b = picture(factor), picture(1.0)
@@ -172,11 +178,6 @@ def test_twice_the_light_is_twice_the_picture(record, technique, factor):
 
 
 # Symmetries, in distribution: z-scores of means below 4.5
-
-
-def permuted(vol):
-    matrix = vol.index_to_world[:, [1, 2, 0, 3]]
-    return Volume(np.ascontiguousarray(vol.values.transpose(1, 0, 2).transpose(2, 1, 0)), matrix)
 
 
 def turned(lit, turn):
