@@ -79,5 +79,5 @@ def _add_moments(
 
 
 def _share(n: NDArray, m: NDArray) -> Plane:
-    """m / (n + m), 0 without samples."""
+    """Share m / (n + m), 0 without samples."""
     return m / np.maximum(n + m, 1)

@@ -16,9 +16,9 @@ FEWEST, FLOAT_ENTRIES, MOST = 4096, 16384, 2**17
 # An opacity of 1 stands for this optical depth over the shorter of unit distance and smallest voxel
 # edge: a transmittance of 2^-24, the resolution of float32 alpha.
 OPAQUE_DEPTH = 24 * float(np.log(2.0))
-# Extinction is at most this much over the smallest voxel edge, and over the diagonal, so that no walk
-# stalls or takes for ever (HC-09). The second one matters where voxels are hundreds of times longer
-# than they are thick.
+# Extinction is at most this much over the smallest voxel edge, and over the diagonal, so that no
+# walk stalls or takes for ever (HC-09). The second one matters where voxels are hundreds of times
+# longer than they are thick.
 DEEPEST_VOXEL, DEEPEST_VOLUME = 64.0, 2.0**20
 
 

@@ -1,6 +1,6 @@
 """Bias audit: radiance along single rays by every estimator, against quadrature in float64.
 
-    python tests/hard_cases/audit.py [SCENES] [SAMPLES]
+    PYTHONPATH=tests python tests/hard_cases/audit.py [SCENES] [SAMPLES]
 
 Random noises with a ramp of extinction, as media or as surfaces, lit by a rectangle. Ends with
 status 1 where an estimator is off by more than 1e-3 (and 4.5 standard errors), in one scene or on
@@ -10,13 +10,9 @@ average over all. Of the renderer, the reference uses the description of a scene
 import math
 import sys
 from dataclasses import dataclass, replace
-from pathlib import Path
-
-import numpy as np
-
-sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parents[1])]
 
 import brute
+import numpy as np
 from brdf_reference import gloss, reference
 from scenes import everything, medium, volume
 
@@ -150,13 +146,15 @@ def findings(numbers, samples, fault=None):
         alpha, radiance = true_values(scene)
         for seed, (name, options) in enumerate(ESTIMATORS.items()):
             planned = plan(replace(scene, sampler="independent", **options))
-            film = render_scene(fault(planned) if fault else planned, samples=samples, seed=seed).film
+            planned = fault(planned) if fault else planned
+            film = render_scene(planned, samples=samples, seed=seed).film
             n = int(film.count.sum())
             error = math.sqrt(alpha * (1 - alpha) / n) / alpha
             yield Finding(number, name, "alpha", film.hits.sum() / n / alpha, error)
             # One ray: all pixels are samples of one mean
             mean = film.mean[..., 0].mean()
-            spread = film.m2[..., 0].sum() + film.count[0, 0] * ((film.mean[..., 0] - mean) ** 2).sum()
+            apart = ((film.mean[..., 0] - mean) ** 2).sum()
+            spread = film.m2[..., 0].sum() + film.count[0, 0] * apart
             error = math.sqrt(spread / n) / math.sqrt(n) / radiance
             yield Finding(number, name, "radiance", mean / radiance, error)
 

@@ -73,8 +73,11 @@ def optical_depth(volume, curve, o, d, limit=np.inf, steps=2000):
     depth = np.zeros(len(length))
     for first in range(0, steps, 100):
         t = near[:, None] + length[:, None] * (np.arange(first, first + 100) + 0.5) / steps
-        points = o[:, None, :] + d[:, None, :] * np.where(length > 0, 1.0, 0.0)[:, None, None] * (
-            np.where(length[:, None] > 0, t, 0.0)[..., None]
+        points = (
+            o[:, None, :]
+            + d[:, None, :]
+            * np.where(length > 0, 1.0, 0.0)[:, None, None]
+            * (np.where(length[:, None] > 0, t, 0.0)[..., None])
         )
         depth += extinction(volume, curve, points).sum(axis=1)
     return depth * length / steps
@@ -83,7 +86,9 @@ def optical_depth(volume, curve, o, d, limit=np.inf, steps=2000):
 def alpha(scene, finer=2, steps=2000):
     """Mean alpha of a film."""
     o, d = rays(scene.camera, scene.size, finer)
-    return float(np.mean(-np.expm1(-optical_depth(scene.volume, curve_of(scene), o, d, steps=steps))))
+    return float(
+        np.mean(-np.expm1(-optical_depth(scene.volume, curve_of(scene), o, d, steps=steps)))
+    )
 
 
 def curve_of(scene):

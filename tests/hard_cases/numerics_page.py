@@ -1,7 +1,6 @@
 """Put the table of docs/numerics.json on docs/numerics.md.
 
-    VTKMCVR_NUMERICS=docs/numerics.json python -m pytest tests/hard_cases tests/physics/test_furnace.py
-    python tests/hard_cases/numerics_page.py
+make numerics
 """
 
 import json
@@ -9,7 +8,8 @@ from itertools import groupby
 from pathlib import Path
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
-BEGIN, END = "<!-- table: written by tests/hard_cases/numerics_page.py -->\n", "<!-- end of table -->"
+BEGIN = "<!-- table: written by tests/hard_cases/numerics_page.py -->\n"
+END = "<!-- end of table -->"
 
 
 def rows():

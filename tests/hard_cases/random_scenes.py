@@ -145,7 +145,7 @@ def transfers(draw, volume):
 def cameras(draw, volume):
     """Perspective or parallel, outside, on a corner, or inside; narrow to wide."""
     toward = np.array(draw(unit_vectors()))
-    up = np.roll(toward, 1) + (0.1, 0.2, -0.3)
+    up = np.roll(toward, 1) + np.array((0.1, 0.2, -0.3))
     away = volume.radius * draw(st.sampled_from([1e-3, 0.5, 3.0, 1e5]))
     target = volume.centre if draw(st.booleans()) else volume.corners[draw(st.integers(0, 7))]
     position = target - toward * away

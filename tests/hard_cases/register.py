@@ -10,8 +10,7 @@ ELSEWHERE = {
     "HC-37": "tests/physics/test_light_irradiance.py::test_lambert_surface_reflects_the_irradiance",
     "HC-38": "tests/kernels/test_light_shapes.py::test_integrals_over_what_is_seen",
     "HC-39": "tests/physics/test_lights.py::test_rectangle_casts_a_shadow_with_either_side",
-    "HC-45": "tests/physics/test_lights.py::"
-    "test_camera_sees_a_visible_rectangle_before_the_volume",
+    "HC-45": "tests/physics/test_lights.py::test_camera_sees_a_visible_rectangle_before_the_volume",
     "HC-50": "tests/kernels/test_camera.py::test_plate_in_the_focal_plane_is_sharp_to_the_corners",
     "HC-52": "tests/kernels/test_camera.py::test_polygonal_aperture_is_evenly_filled",
     "HC-62": "tests/filters/test_filter_updates.py::test_traces_nothing_without_a_change_of_value",

@@ -59,7 +59,8 @@ def test_hc58_pixels_are_uncorrelated(record):
     error = render(lit, 4).film.mean[..., 0]
     a, b = error[:, :-1].ravel(), error[:, 1:].ravel()
     got = float(np.corrcoef(a, b)[0, 1])
-    record("HC-58", "correlation of neighbours", "monte-carlo single", 0, got, 4.5 / math.sqrt(4032))
+    tolerance = 4.5 / math.sqrt(4032)
+    record("HC-58", "correlation of neighbours", "monte-carlo single", 0, got, tolerance)
 
 
 @pytest.mark.parametrize("shape", [(1, 1, 3), (1, 7, 3), (9, 8, 3)])

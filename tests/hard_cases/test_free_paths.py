@@ -38,9 +38,7 @@ def lit(vol, transfer, camera, size=(16, 16), **options):
     return scene(vol, transfer, camera, size, lights=SKY, **options)
 
 
-def check_alpha(
-    record, case, what, technique, lit_scene, samples=64, expected=None, slices=2e-3
-):
+def check_alpha(record, case, what, technique, lit_scene, samples=64, expected=None, slices=2e-3):
     picture = picture_by(technique, lit_scene, samples)
     expected = brute.alpha(lit_scene) if expected is None else expected
     got = float(picture.alpha.mean(dtype=np.float64))

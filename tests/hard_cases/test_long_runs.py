@@ -68,7 +68,11 @@ def test_hc55_welford_is_float64(record):
     for what, expected, got in (
         ("mean", wide.mean(), film.mean[0, 0, 0]),
         ("sum of squares", ((wide - wide.mean()) ** 2).sum(), film.m2[0, 0, 0]),
-        ("sum of squares of batches", ((means - means.mean()) ** 2).sum(), film.batches.m2[0, 0, 0]),
+        (
+            "sum of squares of batches",
+            ((means - means.mean()) ** 2).sum(),
+            film.batches.m2[0, 0, 0],
+        ),
     ):
         record("HC-55", f"{what} of 2e5 samples", "film", expected, got, 1e-10 * expected)
 

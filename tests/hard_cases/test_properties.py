@@ -191,7 +191,7 @@ def turned(lit, turn):
            ("position", "focal_point", "view_up")},
     )  # fmt: skip
     lights = tuple(
-        replace(light, **{n: tuple(turn @ getattr(light, n)) for n in (*light.points, *light.directions)})
+        replace(light, direction=tuple(turn @ light.direction))
         if isinstance(light, DirectionalLight)
         else light
         for light in lit.lights

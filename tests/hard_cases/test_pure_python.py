@@ -1,8 +1,8 @@
 """Kernels as plain Python, with the warnings of NumPy's scalars as errors.
 
 Runs with NUMBA_DISABLE_JIT=1 (`make sanitize`), where every index is checked and every operation on
-a number tells what it did: a division by zero, an invalid operation or an overflow that nobody meant
-fails the test. Random numbers overflow on purpose.
+a number tells what it did: a division by zero, an invalid operation or an overflow that nobody
+meant fails the test. Random numbers overflow on purpose.
 """
 
 import os
@@ -41,7 +41,10 @@ SCENES = {
     ),
     "area lights": scene(
         blob(9), medium(9.0), phase=Schlick(-0.5),
-        lights=(RectangleLight((2, -2, 2), (0, 0, 0), (1, 1), 9.0), SphereLight((0, -1, 2), 0.3, 9.0)),
+        lights=(
+            RectangleLight((2, -2, 2), (0, 0, 0), (1, 1), 9.0),
+            SphereLight((0, -1, 2), 0.3, 9.0),
+        ),
     ),
     "lens": scene(
         blob(9), lights=SKY, aovs=("albedo", "normal"),

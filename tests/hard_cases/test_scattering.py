@@ -167,7 +167,7 @@ def test_hc35_tiny_lights(record, radius):
 def test_hc36_lights_around_a_volume_far_from_the_origin(record, technique):
     def picture(shift):
         shift = np.array(shift)
-        light = RectangleLight(shift + (2, -2, 2), shift, (1, 1), 20.0)
+        light = RectangleLight(shift + np.array((2, -2, 2)), shift, (1, 1), 20.0)
         return picture_by(technique, everything(light, vol=blob(centre=shift)), 4)
 
     near, far = picture((0.0, 0.0, 0.0)), picture((2.0**20, -(2.0**21), 64.0))
@@ -217,7 +217,8 @@ def test_hc42_no_coat_reflects_more_than_arrives(record, ggx):
         for theta in (0, 60, 89)
     )
     name = "GGX" if ggx else "Blinn"
-    record("HC-42", f"reflected by a {name} coat beyond what arrives", "kernel", 0, max(most - 1, 0), 1e-3)
+    what = f"reflected by a {name} coat beyond what arrives"
+    record("HC-42", what, "kernel", 0, max(most - 1, 0), 1e-3)
 
 
 @by_monte_carlo

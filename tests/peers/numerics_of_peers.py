@@ -1,17 +1,11 @@
 """What other renderers make of hard cases: Mitsuba 3 and VTK's software mapper.
 
-    python tests/peers/numerics_of_peers.py
+    PYTHONPATH=tests python tests/peers/numerics_of_peers.py
 
-Prints the versions and, for each case, what is expected, what the peer gives and what vtkmcvr gives.
+Prints the versions and, for each case, what is expected, what the peer gives and what vtkmcvr does.
 """
 
-import sys
-from pathlib import Path
-
 import numpy as np
-
-sys.path[:0] = [str(Path(__file__).parents[1])]
-
 from scenes import WHITE, frontal, medium, scene, slab, volume
 
 from vtkmcvr.curves import Curve
@@ -39,8 +33,6 @@ def by_vtk_fixed_point(values, distance, opaque, size=64):
         vtkWindowToImageFilter,
     )
     from vtkmodules.vtkRenderingVolume import vtkFixedPointVolumeRayCastMapper
-    import vtkmodules.vtkRenderingVolumeOpenGL2  # noqa: F401
-    import vtkmodules.vtkRenderingOpenGL2  # noqa: F401
 
     image = vtkImageData()
     image.SetDimensions(values.shape[::-1])
@@ -99,8 +91,11 @@ def by_mitsuba(sigma_t, length, samples=4096):
         "bsdf": {"type": "null"},
         "interior": {
             "type": "heterogeneous",
-            "sigma_t": {"type": "gridvolume", "grid": mi.VolumeGrid(np.full((2, 2, 2, 1), sigma_t, np.float32)),
-                        "to_world": mi.ScalarTransform4f().translate([-half] * 3).scale([length] * 3)},
+            "sigma_t": {
+                "type": "gridvolume",
+                "grid": mi.VolumeGrid(np.full((2, 2, 2, 1), sigma_t, np.float32)),
+                "to_world": mi.ScalarTransform4f().translate([-half] * 3).scale([length] * 3),
+            },
             "albedo": 0.0,
         },
     }
@@ -109,8 +104,12 @@ def by_mitsuba(sigma_t, length, samples=4096):
             "type": "scene",
             "integrator": {"type": "volpath", "max_depth": -1, "rr_depth": 1000},
             "sensor": {
-                "type": "orthographic", "near_clip": 1e-3 * length, "far_clip": 1e3 * length,
-                "to_world": mi.ScalarTransform4f().look_at([0, -5 * length, 0], [0, 0, 0], [0, 0, 1])
+                "type": "orthographic",
+                "near_clip": 1e-3 * length,
+                "far_clip": 1e3 * length,
+                "to_world": mi.ScalarTransform4f().look_at(
+                    [0, -5 * length, 0], [0, 0, 0], [0, 0, 1]
+                )
                 @ mi.ScalarTransform4f().scale([0.1 * length, 0.1 * length, 1]),
                 "film": {"type": "hdrfilm", "width": 4, "height": 4, "rfilter": {"type": "box"}},
                 "sampler": {"type": "independent", "sample_count": samples},
@@ -137,9 +136,13 @@ def main():
         print(f"  vtkFixedPointVolumeRayCastMapper, sample distance {distance:g}: {got:.4f}")
     print("HC-08: unit sky behind an absorbing cube of optical depth 1; expected 0.367879")
     for length in (1e-6, 1e-4, 1e-2, 1.0, 1e4, 1e6):
-        cube = scene(slab((length,) * 3), medium(1 / length), frontal(0.1 * length, distance=5 * length))
+        cube = scene(
+            slab((length,) * 3), medium(1 / length), frontal(0.1 * length, distance=5 * length)
+        )
         ours = 1 - render_scene(cube, samples=64).alpha.mean()
-        print(f"  edge {length:g}: Mitsuba {by_mitsuba(1 / length, length):.4f}, vtkmcvr {ours:.4f}")
+        print(
+            f"  edge {length:g}: Mitsuba {by_mitsuba(1 / length, length):.4f}, vtkmcvr {ours:.4f}"
+        )
 
 
 if __name__ == "__main__":
