@@ -163,7 +163,7 @@ def brighter(light, factor):
     return light.with_brightness(np.multiply(light.brightness, factor))
 
 
-@pytest.mark.parametrize("factor", [2.0**-60, 2.0**60])
+@pytest.mark.parametrize("factor", [2.0**-40, 2.0**60])
 @by_monte_carlo
 def test_twice_the_light_is_twice_the_picture(record, technique, factor):
     def picture(k):
