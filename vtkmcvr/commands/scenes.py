@@ -7,6 +7,7 @@ from typing import Any
 
 from .camera_options import camera_options
 from .cutting import cutting_options
+from .inputs import read_input
 
 
 def demo_volume() -> Any:
@@ -35,8 +36,18 @@ def scene_options(data: Any, args: argparse.Namespace) -> dict[str, Any]:
         "preset": args.preset,
         "size": args.size,
         "shift": args.shift,
-        "view": View(args.view, args.azimuth, args.elevation, args.roll, args.zoom),
+        "whole": args.whole,
     }
+    turns = {
+        name: getattr(args, name)
+        for name in ("view", "azimuth", "elevation", "roll", "zoom")
+        if getattr(args, name) is not None
+    }
+    if turns:
+        options["view"] = View(**turns)
+    if args.overlay:
+        options["overlay"] = read_input(args.overlay, None)
+        options["overlay_preset"] = args.overlay_preset
     if getattr(args, "aovs", False) or getattr(args, "denoise", None) == "oidn":
         options["aovs"] = ("albedo", "normal")
     if args.environment:
