@@ -34,8 +34,7 @@ slow: $(VENV)/installed-test
 # Kernels as plain Python, where a float that overflows or divides by zero is an error; then compiled
 # with bounds checks, which have a cache of their own
 sanitize: $(VENV)/installed-test
-	NUMBA_DISABLE_JIT=1 $(RUN) pytest tests/hard_cases/test_pure_python.py \
-		tests/kernels/test_direct.py
+	NUMBA_DISABLE_JIT=1 $(RUN) pytest tests/hard_cases/test_pure_python.py
 	NUMBA_BOUNDSCHECK=1 NUMBA_CACHE_DIR=$(CURDIR)/build/bounds $(RUN) pytest -m "not slow" \
 		tests/hard_cases/test_bounds.py tests/hard_cases/test_rays.py tests/physics/test_media.py \
 		tests/physics/test_estimators.py tests/kernels/test_tracking.py

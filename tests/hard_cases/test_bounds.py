@@ -5,16 +5,21 @@ import os
 import numpy as np
 import pytest
 
-from vtkmcvr.kernels.jit import kernel
+from vtkmcvr.kernels.jit import device, kernel
 
 pytestmark = pytest.mark.skipif(
     os.environ.get("NUMBA_BOUNDSCHECK") != "1", reason="for NUMBA_BOUNDSCHECK=1: make sanitize"
 )
 
 
+@device
+def element(values, i):
+    return values[i]
+
+
 @kernel
 def read(values, i):
-    return values[i]
+    return element(values, i)
 
 
 def test_an_index_beyond_the_array_is_noticed():

@@ -18,8 +18,8 @@ from .vec import at
 f32, i32, index = np.float32, np.int32, np.uintp
 ONE, ZERO = f32(1.0), f32(0.0)
 ESCAPED = f32(-1.0)
-# What an extinction above its majorant turns into, so that the film can count it: no sum of radiance
-# is -inf otherwise
+# What an extinction above its majorant turns into, so that the film can count it: no sum of
+# radiance is -inf otherwise
 VIOLATED = f32(-math.inf)
 
 
