@@ -7,6 +7,8 @@ import json
 from itertools import groupby
 from pathlib import Path
 
+from register import ELSEWHERE, NOT_HERE
+
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 BEGIN = "<!-- table: written by tests/hard_cases/numerics_page.py -->\n"
 END = "<!-- end of table -->"
@@ -38,11 +40,18 @@ def table(records):
     return "".join(lines)
 
 
+def register():
+    """Cases that have no row of their own: where they are proven, or why they do not apply."""
+    lines = [f"| {case} | `{test}` |\n" for case, test in ELSEWHERE.items()]
+    lines += [f"| {case} | not here: {why} |\n" for case, why in NOT_HERE.items()]
+    return "".join(["| case | proven by |\n", "|---|---|\n", *lines])
+
+
 def page(text, records):
     """Text of the page with its table renewed."""
     before, rest = text.split(BEGIN)
     _, after = rest.split(END)
-    return f"{before}{BEGIN}\n{table(records)}\n{END}{after}"
+    return f"{before}{BEGIN}\n{table(records)}\n{register()}\n{END}{after}"
 
 
 if __name__ == "__main__":
