@@ -419,6 +419,7 @@ class Film(NamedTuple):
     hits: NDArray[np.int64]  # (H, W) samples that collided in the volume
     depth: NDArray[np.float64]  # (H, W) mean distance of the collisions
     rejected: NDArray[np.int64]  # (H, W) samples that were not finite, counted as zero
+    violations: NDArray[np.int64]  # (H, W) those of them that met an extinction above its majorant
     # (H, W, 3) means over all samples of what the first collision met, 0 for a miss
     albedo: NDArray[np.float64] | None
     normal: NDArray[np.float64] | None  # world-space unit vectors toward the camera

@@ -37,6 +37,8 @@ def recipe_of(picture: Picture) -> dict[str, Any]:
             "seconds": picture.seconds,
             "nrms": picture.nrms if np.isfinite(picture.nrms) else None,
             "stopped_by": picture.stopped_by,
+            "rejected_samples": picture.rejected_samples,
+            "majorant_violations": picture.majorant_violations,
         },
         "replay": _replay(picture),
     }

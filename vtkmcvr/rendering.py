@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable
 from typing import Any
 
@@ -11,6 +12,8 @@ from .picture import Display, Picture
 from .plan import Plan, plan
 from .scene import Scene
 from .schedule import Progress, StopRules
+
+logger = logging.getLogger("vtkmcvr")
 
 DEFAULT_SAMPLES = 64
 
@@ -65,7 +68,7 @@ def render_scene(
     )
     planned = scene if isinstance(scene, Plan) else plan(scene)
     film = empty_film(planned)
-    stopped_by, spent = schedule.run(planned.packed, film, rules, seed, threads, progress)
+    stopped_by, spent = _run(planned, film, rules, seed, threads, progress)
     return Picture(
         film, planned, display or Display(), spent, stopped_by, seed, threads, recipe or {}
     )
@@ -87,13 +90,32 @@ def continue_picture(
     """A picture with more samples; the one given stays as it is."""
     rules = _rules(samples, seconds, nrms, abort)
     film = copy_film(picture.film)
-    stopped_by, spent = schedule.run(
-        picture.plan.packed, film, rules, picture.seed, picture.threads, progress
-    )
+    stopped_by, spent = _run(picture.plan, film, rules, picture.seed, picture.threads, progress)
     return Picture(
         film, picture.plan, picture.display, picture.seconds + spent, stopped_by,
         picture.seed, picture.threads, picture.recipe,
     )  # fmt: skip
+
+
+def _run(
+    planned: Plan,
+    film: packed.Film,
+    rules: StopRules,
+    seed: int,
+    threads: int,
+    progress: Callable[[Progress], object] | None,
+) -> tuple[str, float]:
+    """`schedule.run`, which says so where samples had to be rejected."""
+    before = int(film.rejected.sum())
+    result = schedule.run(planned.packed, film, rules, seed, threads, progress)
+    rejected = int(film.rejected.sum()) - before
+    if rejected:
+        logger.warning(
+            "%d of %d samples were not finite and count as black (%d of them met an extinction "
+            "above its bound): please report this scene",
+            rejected, film.count.sum(), film.violations.sum(),
+        )  # fmt: skip
+    return result
 
 
 def _rules(

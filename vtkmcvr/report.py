@@ -105,7 +105,7 @@ def _head(picture: Picture) -> str:
         f"<h1>vtkmcvr {html.escape(__version__)}</h1><p class=key>{known}</p>"
         f"<p>{width} x {height} pixels, {picture.samples} samples each, {picture.seconds:.2f} s on "
         f"{picture.threads} threads ({picture.paths_per_second / 1e6:.2f} M paths/s); ended by "
-        f"{html.escape(picture.stopped_by)}; samples rejected: {picture.rejected}.</p>"
+        f"{html.escape(picture.stopped_by)}; samples rejected: {picture.rejected_samples}.</p>"
     )
 
 

@@ -9,7 +9,7 @@ from ..plan import Plan
 from ..scene import Scene
 from .beams import narrowest_cone
 from .raster import Raster
-from .settings import Occlusion
+from .settings import MOST_SLICES, Occlusion
 
 Axis = tuple[float, float, float]
 # Optical depths of a slice and of a pixel to which the default mode limits the medium as light
@@ -103,4 +103,6 @@ def _notes(
                 f"the cone of light is widened from {occlusion.half_angle:g} to {least:.1f} "
                 "degrees, to hold enough directions in this perspective view; more directions help"
             )
+    if occlusion.slices is None and raster.count >= MOST_SLICES:
+        notes.append(f"slices are {raster.count}, thicker than the detail asks for")
     return tuple(notes)

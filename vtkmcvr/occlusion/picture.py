@@ -93,6 +93,11 @@ class OcclusionPicture:
         return width, height
 
     @property
+    def rejected_samples(self) -> int:
+        """Pixels that are not finite; 0 unless something is wrong."""
+        return int(self.radiance.size // 3 - np.isfinite(self.radiance).all(axis=-1).sum())
+
+    @property
     def rgba(self) -> NDArray[np.uint8]:
         """Display picture, (H, W, 4): tone-mapped sRGB with straight alpha."""
         return self.show(self.display)
@@ -123,6 +128,7 @@ class OcclusionPicture:
             "seconds": self.seconds,
             "nrms": None,
             "stopped_by": self.stopped_by,
+            "rejected_samples": self.rejected_samples,
             "fragments": self.work.naive,
             "fragments_looked_up": self.work.looked_up,
             "fragments_seen": self.work.seen,
@@ -167,7 +173,10 @@ class OcclusionPicture:
             "occlusion": asdict(self.settings),
             "exposure": self.display.exposure,
             "background": self.display.background,
-            "measured": {"seconds": self.seconds, "nrms": None, "stopped_by": self.stopped_by},
+            "measured": {
+                "seconds": self.seconds, "nrms": None, "stopped_by": self.stopped_by,
+                "rejected_samples": self.rejected_samples,
+            },
             "replay": replay_part(self.plan.scene, self.settings, self.display, self.planes),
         }
 

@@ -16,7 +16,8 @@ from .medium import Filled
 
 # Occluders are looked for this far beside the film, in shares of its longer side
 MARGIN = 0.5
-# Depth of the first plane for an eye inside the volume, in layers
+# Depth of the first plane for an eye inside the volume, in layers; rays of a parallel view do not
+# meet in an eye
 NEAREST = 0.25
 # Tangent of view rays over which secants go evenly, with errors of an eighth of its square
 STRAIGHT = 0.06
@@ -137,7 +138,7 @@ def raster_of(plan: Plan, layer: float, margin: float = MARGIN) -> Raster:
     points = (plan.corners - plan.scene.volume.centre - np.array(camera.origin)) @ axes.T
     heading = axes @ np.array(camera.direction)
     depth = points[:, 2]
-    near = max(float(depth.min()), NEAREST * layer)
+    near = max(float(depth.min()), 0.0 if parallel else NEAREST * layer)
     count = max(0, math.ceil((float(depth.max()) - near) / layer))
     if parallel:
         film = (points - depth[:, None] * heading)[:, :2] / pitch

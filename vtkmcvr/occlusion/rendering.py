@@ -23,9 +23,9 @@ from .beams import beams_of
 from .explain import effects_of, most_extinction
 from .medium import OPAQUE, Filling, volumes_of
 from .picture import OcclusionPicture
-from .raster import Raster, raster_of
+from .raster import MARGIN, Raster, raster_of
 from .resolve import resolve
-from .settings import Occlusion
+from .settings import MOST_SLICES, Occlusion
 from .single import Blurred, Published
 from .sweep import Light, Sweep
 from .traced import Traced
@@ -36,6 +36,8 @@ PIXEL, LAYER = 0.75, 0.4
 SMALL, SMALLEST = 160, 0.6
 # Pixels of a refined raster
 MOST_PIXELS, MOST_FINE = 2**23, 8
+# Pixels of a raster with its margin, of small films
+FEWEST_LIMIT = 2**21
 
 
 def render_occlusion(
@@ -148,19 +150,34 @@ def layout(scene: Scene, occlusion: Occlusion) -> tuple[Plan, Raster, int]:
     )
     planned = plan(bare)
     voxel = min(_voxel(volume) for volume in (scene.volume, *(v.volume for v in scene.layers)))
-    raster = raster_of(planned, LAYER * voxel)
+    raster = _fitting(planned, LAYER * voxel)
     across = (raster.far - raster.near) / voxel
     grain = voxel * float(np.clip(across / SMALL, SMALLEST, 1)) / occlusion.detail
     layer = LAYER * grain
     if occlusion.slices is not None and raster.count:
         layer = (raster.far - raster.near) / occlusion.slices
+    elif raster.count and (raster.far - raster.near) / layer > MOST_SLICES:
+        # Voxels thousands of times longer than they are thick, seen along their long side
+        layer = (raster.far - raster.near) / MOST_SLICES
     fine = _refinement(scene, raster, grain)
     if occlusion.mode == "paper":
         fine = 1
     if fine > 1:
         width, height = scene.size
         planned = plan(replace(bare, size=(width * fine, height * fine)))
-    return planned, raster_of(planned, layer), fine
+    return planned, _fitting(planned, layer), fine
+
+
+def _fitting(planned: Plan, layer: float) -> Raster:
+    """Raster with as wide a margin as fits: beside a film of 10 000 x 1 pixels that is little."""
+    width, height = planned.scene.size
+    most = max(FEWEST_LIMIT, 4 * width * height)
+    margin = MARGIN
+    raster = raster_of(planned, layer, margin)
+    while raster.columns * raster.rows > most:
+        margin /= 2
+        raster = raster_of(planned, layer, margin)
+    return raster
 
 
 def _voxel(volume: Volume) -> float:
