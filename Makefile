@@ -6,7 +6,7 @@ RUN := $(VENV)/bin/python -m
 TREE := build/lint
 INSTALL := $(RUN) pip install --quiet --disable-pip-version-check
 
-.PHONY: demo test slow lint bench gpu clean
+.PHONY: demo test slow sanitize numerics lint bench speed gpu clean
 
 $(VENV)/installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -31,6 +31,20 @@ test: $(VENV)/installed-test
 slow: $(VENV)/installed-test
 	$(RUN) pytest -m slow
 
+# Kernels as plain Python, where a float that overflows or divides by zero is an error; then compiled
+# with bounds checks, which have a cache of their own
+sanitize: $(VENV)/installed-test
+	NUMBA_DISABLE_JIT=1 $(RUN) pytest tests/hard_cases/test_pure_python.py
+	NUMBA_BOUNDSCHECK=1 NUMBA_CACHE_DIR=$(CURDIR)/build/bounds $(RUN) pytest -m "not slow" \
+		tests/hard_cases/test_bounds.py tests/hard_cases/test_rays.py tests/physics/test_media.py \
+		tests/physics/test_estimators.py tests/kernels/test_tracking.py
+
+# The table of docs/numerics.md, written by the tests
+numerics: $(VENV)/installed-test
+	VTKMCVR_NUMERICS=docs/numerics.json $(RUN) pytest -m "not slow" \
+		--ignore tests/hard_cases/test_page.py tests/hard_cases tests/physics/test_furnace.py
+	$(VENV)/bin/python tests/hard_cases/numerics_page.py
+
 lint: $(VENV)/installed-lint
 	$(RUN) ruff check .
 	rm -rf $(TREE) && mkdir -p $(TREE)
@@ -47,6 +61,10 @@ bench: $(VENV)/installed-test
 gpu: $(VENV)/installed-test
 	$(INSTALL) --editable ".[cuda]"
 	$(VENV)/bin/python tests/gpu -o gpu.json
+
+# What each effect adds: docs/speed.md and docs/speed.json, from the volumes in VTKMCVR_DATA
+speed: $(VENV)/installed-test
+	$(VENV)/bin/python tests/bench/bench_effects.py
 
 clean:
 	rm -rf $(VENV) build dist *.egg-info

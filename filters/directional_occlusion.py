@@ -16,9 +16,9 @@ class DirectionalOcclusionFilter(PictureFilter):
 
     Input: vtkImageData with one component. Output: vtkImageData of the film's size with the float32
     point arrays "radiance" (active; linear RGB premultiplied by alpha, and alpha), "depth" (world
-    units, inf beside the volume) and, where `aovs` asks for it, "normal": the same as a
-    `MonteCarloFilter`'s, so that a viewer can fade from one into the other. Lights count by how
-    much they give the volume's centre; a lens does not count.
+    units, inf beside the volume) and, where `aovs` asks for them, "albedo" and "normal": the same
+    as a `MonteCarloFilter`'s, so that a viewer can fade from one into the other. Lights count by
+    how much they give the volume's centre; a lens does not count.
 
     Parameters
     ----------

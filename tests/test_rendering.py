@@ -44,7 +44,7 @@ def test_picture_says_what_it_is(picture):
     assert picture.size == (61, 47)
     assert picture.radiance.shape == (47, 61, 3)
     assert picture.stopped_by == "samples"
-    assert picture.rejected == 0
+    assert picture.rejected_samples == 0
     assert picture.seed == 5
     assert picture.seconds > 0
     assert picture.paths_per_second == pytest.approx(64 * 61 * 47 / picture.seconds)

@@ -240,7 +240,7 @@ def test_extreme_phase_functions_reject_no_sample(g):
         ),
         16,
     )
-    assert picture.rejected == 0
+    assert picture.rejected_samples == 0
     np.testing.assert_allclose(picture.radiance[..., 0], picture.alpha, atol=1e-3)
 
 

@@ -29,6 +29,7 @@ def new_film(
         hits=np.zeros(plane, np.int64),
         depth=np.zeros(plane, np.float64),
         rejected=np.zeros(plane, np.int64),
+        violations=np.zeros(plane, np.int64),
         albedo=np.zeros(colour, np.float64) if "albedo" in aovs else None,
         normal=np.zeros(colour, np.float64) if "normal" in aovs else None,
         batches=None if sobol is None else _new_batches(colour),

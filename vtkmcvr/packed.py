@@ -295,6 +295,7 @@ class LightTree(NamedTuple):
     bound: NDArray[np.float32]  # (m, 4) sphere around the cluster; radius < 0: no ray meets it
     cone: NDArray[np.float32]  # (m, 5) axis of emission, cosines of its spread and of its reach
     flux: NDArray[np.float32]  # (m,) irradiance, at unit distance where it decays
+    within: NDArray[np.float32]  # (m,) irradiance in the volume, on average
     law: NDArray[np.int32]  # (m,) how flux becomes irradiance; see `kernels.light_tree`
     links: NDArray[np.int32]  # (m, 3) next node beyond the cluster, parent, light of a leaf or -1
     leaf: NDArray[np.int32]  # (n,) node of each light
@@ -418,6 +419,7 @@ class Film(NamedTuple):
     hits: NDArray[np.int64]  # (H, W) samples that collided in the volume
     depth: NDArray[np.float64]  # (H, W) mean distance of the collisions
     rejected: NDArray[np.int64]  # (H, W) samples that were not finite, counted as zero
+    violations: NDArray[np.int64]  # (H, W) those of them that met an extinction above its majorant
     # (H, W, 3) means over all samples of what the first collision met, 0 for a miss
     albedo: NDArray[np.float64] | None
     normal: NDArray[np.float64] | None  # world-space unit vectors toward the camera
@@ -425,15 +427,23 @@ class Film(NamedTuple):
 
 
 class Integrals(NamedTuple):
-    """Integrals of a transfer function from its first table entry on, over entries."""
+    """Integrals of a transfer function from its first table entry on, over entries.
 
-    sigma_t: NDArray[np.float32]  # (n,) extinction, 1/world unit
+    With labels there are the rows of all of them, one after another, as in `Transfer`.
+    """
+
+    sigma_t: NDArray[np.float32]  # (n,) extinction as light meets it, 1/world unit: at most `most`
     depth: NDArray[np.float64]  # (n,) integral of sigma_t
+    whole: NDArray[np.float32]  # (n,) extinction as it is
+    whole_depth: NDArray[np.float64]
     light: NDArray[np.float64]  # (n, 3) integral of sigma_t times colour
     colour: NDArray[np.float32]  # (n, 3) albedo
-    clear: np.float32  # table position up to which there is no extinction
+    clear: np.float32  # table position up to which there is no extinction in any row
+    last: np.float32  # table position of the last entry of a row
     lowest: np.float32
     per_scalar: np.float32
+    most: np.float32
+    limited: np.bool_  # whether `most` changes anything
 
 
 class Perspective(NamedTuple):
@@ -442,6 +452,7 @@ class Perspective(NamedTuple):
     eye_column: np.float32  # of the view axis
     eye_row: np.float32
     slope: np.float32  # world units sideways per world unit of depth, per pixel
+    span: np.int64  # columns over which directions go evenly
 
 
 class LayerBlock(NamedTuple):
@@ -464,21 +475,35 @@ class LayerBlock(NamedTuple):
 class Layers(NamedTuple):
     """What a block of layers holds, [layer, row, column]."""
 
-    depth: NDArray[np.float32]  # optical depth along the view axis
-    tinted: NDArray[np.float32] | None  # [colour, layer, row, column] the same for coloured light
+    depth: NDArray[np.float32]  # optical depth along the view axis, as light meets it
+    whole: NDArray[np.float32]  # the same as it is; may be the array `depth` itself
+    tinted: NDArray[np.float32] | None  # [colour, layer, row, column] `depth` for coloured light
+    mixed: NDArray[np.float32] | None  # [colour, ...] depth times albedo, of several volumes
     seen: NDArray[np.float32]  # transmittance from the eye to the layer's front; 0: not seen
-    front: NDArray[np.float32]  # table position of the scalar at front and back, where seen
+    front: NDArray[np.float32]  # table position of the scalar at front and back, where filled
     back: NDArray[np.float32]
+    relief: NDArray[np.float32] | None  # optical depth that steps of the raster add to light's
 
 
 class Runs(NamedTuple):
     """Stretches of columns [start, end) of every row of every layer that hold anything."""
 
-    flags: NDArray[np.bool_]  # [layer, row, segment]
+    flags: NDArray[np.uint8]  # [layer, row, segment] 0: nothing; 1: faint; 2
     count: NDArray[np.int32]  # type: ignore[assignment]  # [layer, row]
     start: NDArray[np.int32]  # [layer, row, run]
     end: NDArray[np.int32]
-    slot: NDArray[np.int64]  # [layer, row, run] where the run starts in compact arrays
+    listed: NDArray[np.int32]  # (n, 3) row, start and end of all runs, layer by layer
+    slot: NDArray[np.int64]  # (n,) where each of them starts in compact arrays
+    first: NDArray[np.int64]  # (layers + 1,) first of each layer
+
+
+class Eye(NamedTuple):
+    """What is left of view rays, [row, column] of the raster."""
+
+    light: NDArray[np.float32]  # transmittance through the medium as light meets it
+    whole: NDArray[np.float32]  # and as it is
+    relief: NDArray[np.float32]
+    reach: NDArray[np.int32]  # [row, 2] columns between which the relief may not be zero
 
 
 class Cone(NamedTuple):
@@ -518,4 +543,6 @@ class OcclusionFilm(NamedTuple):
     radiance: NDArray[np.float32]  # (h, w, 3)
     alpha: NDArray[np.float32]
     depth: NDArray[np.float32]  # distance from the eye times opacity
-    normal: NDArray[np.float32] | None  # (h, w, 3) world normal times opacity
+    share: NDArray[np.float32]  # opacity of the medium as light meets it
+    albedo: NDArray[np.float32] | None  # (h, w, 3) times that opacity
+    normal: NDArray[np.float32] | None  # (h, w, 3) world normal times that opacity

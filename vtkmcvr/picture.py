@@ -110,9 +110,14 @@ class Picture:
         return int(self.film.count.min())
 
     @property
-    def rejected(self) -> int:
+    def rejected_samples(self) -> int:
         """Samples that were not finite and count as black; 0 unless something is wrong."""
         return int(self.film.rejected.sum())
+
+    @property
+    def majorant_violations(self) -> int:
+        """Rejected samples that met more extinction than its bound; 0 unless something is wrong."""
+        return int(self.film.violations.sum())
 
     @property
     def size(self) -> tuple[int, int]:
@@ -208,7 +213,8 @@ class Picture:
             "stopped_by": self.stopped_by,
             "effects": {e.name: {"on": e.on, "reason": e.reason} for e in self.plan.effects},
             "notes": list(self.plan.notes),
-            "rejected": self.rejected,
+            "rejected_samples": self.rejected_samples,
+            "majorant_violations": self.majorant_violations,
             "seed": self.seed,
             "threads": self.threads,
             "backend": self.backend,

@@ -20,7 +20,7 @@ from .plan_surface import pack_normal_map
 from .plan_transport import estimator_words, pack_marching, pack_scattering, scattering_effect
 from .plan_volume import PackedVolume, coat, pack_layers, pack_volume, packed_layer, shared_phase
 from .scene import Scene
-from .tables import DEEPEST_VOXEL, Tables
+from .tables import DEEPEST_VOLUME, DEEPEST_VOXEL, Tables
 from .voxels import Voxels
 
 # Transmittance below which Russian roulette may end a shadow ray; 1 would be delta tracking, which
@@ -157,9 +157,12 @@ def _notes(voxels: Voxels, tables: Tables) -> tuple[str, ...]:
         notes.append(f"{voxels.not_finite} voxels are NaN or infinite: transparent")
     if voxels.offset:
         notes.append(f"values are kept relative to {voxels.offset:g} to fit float32")
+    if voxels.unit != 1:
+        notes.append(f"values are kept in units of {voxels.unit:g} to fit float32")
     if tables.capped:
         notes.append(
-            f"extinction was cut off at {DEEPEST_VOXEL:g} optical depths per smallest voxel edge"
+            f"extinction was cut off at {DEEPEST_VOXEL:g} optical depths per smallest voxel edge, "
+            f"or {DEEPEST_VOLUME:g} per diagonal of the volume"
         )
     if tables.too_fine:
         notes.append(

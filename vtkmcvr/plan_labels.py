@@ -16,7 +16,7 @@ from .labels import Labels
 from .material import Surface, TransferFunction
 from .phases import Phase
 from .scene import Scene
-from .tables import MOST, Tables, build_tables, finest_step
+from .tables import MOST, Tables, build_tables, finest_step, shortest_edge
 from .voxels import Voxels
 
 # Label maps whose values span less than this are translated by a table
@@ -115,7 +115,7 @@ def stacked_tables(rows: Rows, scene: Scene, voxels: Voxels) -> Tables:
 
     A channel that only some transfer functions give has the scene's constant in the others' rows.
     """
-    smallest = float(scene.volume.spacing.min())
+    smallest = shortest_edge(scene.volume)
     if rows.row is None:
         return build_tables(scene.transfer, voxels, smallest)
     if len(rows.transfers) * MOST > MOST_ENTRIES:

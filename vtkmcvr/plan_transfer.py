@@ -10,7 +10,15 @@ from .material import TransferFunction
 from .pack import f32, matrix
 from .plan_surface import world_from_index_gradient
 from .scene import Scene
-from .tables import Tables, column_positions, extinction_of, limited, row_positions, varying
+from .tables import (
+    Tables,
+    column_positions,
+    extinction_of,
+    limited,
+    row_positions,
+    shortest_edge,
+    varying,
+)
 from .voxels import Voxels
 
 GRADIENT_ENTRIES = 2048
@@ -76,7 +84,7 @@ def _gradient_opacity(scene: Scene, voxels: Voxels) -> packed.GradientOpacity | 
     to_world = world_from_index_gradient(scene)
     most = BORDER * voxels.largest_gradient(to_world)
     x = np.linspace(0, most, GRADIENT_ENTRIES)
-    factor = curve(x * gradient_distance(scene)).astype(f32)
+    factor = curve(x * gradient_distance(scene) * voxels.unit).astype(f32)
     if (factor == 1).all():
         return None
     per_gradient = (GRADIENT_ENTRIES - 1) / most if most > 0 else 0.0
@@ -87,16 +95,16 @@ def _table_2d(scene: Scene, voxels: Voxels) -> packed.Table2D | None:
     transfer: TransferFunction = scene.transfer
     if transfer.table is None:
         return None
-    smallest = float(scene.volume.spacing.min())
+    smallest = shortest_edge(scene.volume)
     rgba = transfer.table.rgba
     sigma_t = extinction_of(rgba[..., 3], transfer.unit_distance, smallest)
     lowest, pitch = column_positions(transfer.table)
     lowest_gradient, gradient_pitch = row_positions(transfer.table)
-    distance = gradient_distance(scene)
+    distance = gradient_distance(scene) * voxels.unit
     return packed.Table2D(
         limited(sigma_t, transfer, smallest)[0],
         np.ascontiguousarray(rgba[..., :3], f32),
-        f32(lowest - voxels.offset), f32(1 / pitch),
+        f32((lowest - voxels.offset) / voxels.unit), f32(voxels.unit / pitch),
         f32(lowest_gradient / distance), f32(distance / gradient_pitch),
         matrix(world_from_index_gradient(scene)),
     )  # fmt: skip

@@ -14,8 +14,8 @@ ROULETTE = 0.25
 # A path without a limit ends here, so that none loops forever: in a slab of 1000 mean free paths of
 # albedo 1 a share of exp(-33) gets this far; the light of longer paths is lost
 UNLIMITED = 10**7
-# Shortest step of a march, in voxel edges
-FINEST_STEP = 1e-3
+# Shortest step of a march, in voxel edges, and most steps over the diagonal
+FINEST_STEP, MOST_STEPS = 1e-3, 2**22
 
 
 def pack_scattering(scene: Scene) -> packed.Scattering | None:
@@ -41,7 +41,13 @@ def pack_marching(scene: Scene) -> packed.Marching | None:
     if scene.estimator != "ray-march":
         return None
     smallest = float(scene.volume.spacing.min())
-    step = smallest / 2 if scene.step is None else scene.step
+    diagonal = 2 * scene.volume.radius
+    step = max(smallest / 2, 4 * diagonal / MOST_STEPS) if scene.step is None else scene.step
+    if step * MOST_STEPS < diagonal:
+        raise ValueError(
+            f"step is at least {diagonal / MOST_STEPS:g}, {MOST_STEPS} over the volume's diagonal; "
+            f"got {step:g}"
+        )
     if step < FINEST_STEP * smallest:
         raise ValueError(
             f"step is at least {FINEST_STEP:g} of the smallest voxel edge ({smallest:g}), "

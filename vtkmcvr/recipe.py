@@ -38,6 +38,8 @@ def recipe_of(picture: Picture) -> dict[str, Any]:
             "nrms": picture.nrms if np.isfinite(picture.nrms) else None,
             "stopped_by": picture.stopped_by,
             "device": picture.device,
+            "rejected_samples": picture.rejected_samples,
+            "majorant_violations": picture.majorant_violations,
         },
         "replay": _replay(picture),
     }

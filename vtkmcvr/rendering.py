@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -12,6 +13,8 @@ from .picture import Display, Picture
 from .plan import Plan, plan
 from .scene import Scene
 from .schedule import Progress, StopRules
+
+logger = logging.getLogger("vtkmcvr")
 
 DEFAULT_SAMPLES = 64
 
@@ -70,14 +73,14 @@ def render_scene(
     )
     planned = scene if isinstance(scene, Plan) else plan(scene)
     film = empty_film(planned)
-    done = backends.run(backend, planned.packed, film, rules, seed, threads, progress)
+    done = _run(backend, planned, film, rules, seed, threads, progress)
     return Picture(
-        done.film, noted(planned, done.note), display or Display(), done.seconds, done.stopped_by,
+        done.film, with_note(planned, done.note), display or Display(), done.seconds, done.stopped_by,
         seed, threads, recipe or {}, done.backend, done.device,
     )  # fmt: skip
 
 
-def noted(planned: Plan, note: str) -> Plan:
+def with_note(planned: Plan, note: str) -> Plan:
     """Plan with one more note, where there is any."""
     return replace(planned, notes=(*planned.notes, note)) if note else planned
 
@@ -99,13 +102,34 @@ def continue_picture(
     rules = _rules(samples, seconds, nrms, abort)
     film = copy_film(picture.film)
     backend = "auto" if picture.backend == "cuda" else "cpu"
-    done = backends.run(
-        backend, picture.plan.packed, film, rules, picture.seed, picture.threads, progress
-    )
+    done = _run(backend, picture.plan, film, rules, picture.seed, picture.threads, progress)
     return Picture(
-        done.film, noted(picture.plan, done.note), picture.display, picture.seconds + done.seconds,
+        done.film, with_note(picture.plan, done.note), picture.display, picture.seconds + done.seconds,
         done.stopped_by, picture.seed, picture.threads, picture.recipe, done.backend, done.device,
     )  # fmt: skip
+
+
+def _run(
+    backend: str,
+    planned: Plan,
+    film: packed.Film,
+    rules: StopRules,
+    seed: int,
+    threads: int,
+    progress: Callable[[Progress], object] | None,
+) -> backends.Rendered:
+    """`backends.run`, which says so where samples had to be rejected."""
+    before = int(film.rejected.sum())
+    done = backends.run(backend, planned.packed, film, rules, seed, threads, progress)
+    film = done.film
+    rejected = int(film.rejected.sum()) - before
+    if rejected:
+        logger.warning(
+            "%d of %d samples were not finite and count as black (%d of them met an extinction "
+            "above its bound): please report this scene",
+            rejected, film.count.sum(), film.violations.sum(),
+        )  # fmt: skip
+    return done
 
 
 def _rules(

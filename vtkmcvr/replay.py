@@ -12,11 +12,15 @@ from numpy.typing import NDArray
 from . import __version__, backends, checks, schedule
 from .content_hash import content_hash
 from .deserialise import MissingArray, from_plain
+from .occlusion import OcclusionPicture
+from .occlusion.recipe import film_hash as occlusion_hash
+from .occlusion.recipe import render_again
 from .picture import Display, Picture
 from .plan import Plan, plan
+from .presets.recorded import recorded_masks
 from .recipe import FORMAT, counts_of, film_hash
 from .recipe_files import read_recipe
-from .rendering import empty_film, noted
+from .rendering import empty_film, with_note
 from .scene import Scene
 from .schedule import Progress, StopRules
 from .volume import Volume
@@ -27,14 +31,14 @@ class Replayed(NamedTuple):
 
     Attributes
     ----------
-    picture : Picture
+    picture : Picture or OcclusionPicture
     identical : bool
         Whether the film has the recorded one's bits.
     notes : tuple of str
         Why it may not.
     """
 
-    picture: Picture
+    picture: Picture | OcclusionPicture
     identical: bool
     notes: tuple[str, ...]
 
@@ -54,7 +58,7 @@ def replay(
     Parameters
     ----------
     source : path or dict
-        Picture that `Picture.save` wrote, or its recipe.
+        Picture of either technique that `save` wrote, or its recipe.
     data : vtkImageData, Volume, numpy.ndarray, or a sequence of these
         What the recipe has only hashes of: the volume, the pixels of an environment map. The
         synthetic head is made anew.
@@ -73,7 +77,13 @@ def replay(
     """
     recipe = source if isinstance(source, dict) else read_recipe(source)
     part = _replay_part(recipe)
-    planned = _planned(part, [_values(item) for item in _items(data)])
+    scene = _scene(recipe, part, [_values(item) for item in _items(data)])
+    noted = {name: value for name, value in recipe.items() if name not in ("measured", "replay")}
+    if recipe.get("technique") == "occlusion":
+        again = render_again(scene, part, noted, threads, progress, abort)
+        again = again.with_display(_display(part))
+        return Replayed(again, *_verdict(occlusion_hash(again.planes), part))
+    planned = _planned(scene)
     seed = checks.whole("the recipe's seed", part.get("seed"), least=0)
     counts = counts_of(part.get("samples"), planned.scene.size)
     threads = threads or schedule.default_threads()
@@ -85,18 +95,19 @@ def replay(
         backend, planned.packed, film, rules, seed, threads, progress, counts
     )
     picture = Picture(
-        done.film, noted(planned, done.note), Display(), done.seconds, done.stopped_by, seed,
-        threads,
-        {name: value for name, value in recipe.items() if name not in ("measured", "replay")},
-        done.backend, done.device,
+        done.film, with_note(planned, done.note), Display(), done.seconds, done.stopped_by, seed,
+        threads, noted, done.backend, done.device,
     )  # fmt: skip
-    return Replayed(_shown(picture, part), *_verdict(picture, part))
+    verdict = _verdict(film_hash(done.film), part, done.backend)
+    return Replayed(_shown(picture, part), *verdict)
 
 
-def _verdict(picture: Picture, part: dict[str, Any]) -> tuple[bool, tuple[str, ...]]:
-    identical = film_hash(picture.film) == part.get("film")
+def _verdict(
+    bits: str, part: dict[str, Any], backend: str = "cpu"
+) -> tuple[bool, tuple[str, ...]]:
+    identical = bits == part.get("film")
     notes = []
-    if picture.backend != part.get("backend", "cpu"):
+    if backend != part.get("backend", "cpu"):
         notes.append("made by CUDA, replayed by the CPU, whose roundings differ")
     if part.get("version") != __version__:
         notes.append(f"made by vtkmcvr {part.get('version')}, replayed by {__version__}")
@@ -117,7 +128,7 @@ def _replay_part(recipe: dict[str, Any]) -> dict[str, Any]:
     if "impossible" in part:
         raise ValueError(f"this picture cannot be replayed: {part['impossible']}")
     technique = recipe.get("technique", "monte-carlo")
-    if technique != "monte-carlo":
+    if technique not in ("monte-carlo", "occlusion"):
         raise ValueError(f"pictures of the technique {technique!r} cannot be replayed")
     return part
 
@@ -125,18 +136,23 @@ def _replay_part(recipe: dict[str, Any]) -> dict[str, Any]:
 # Scene
 
 
-def _planned(part: dict[str, Any], given: Sequence[NDArray[Any]]) -> Plan:
+def _scene(recipe: dict[str, Any], part: dict[str, Any], given: Sequence[NDArray[Any]]) -> Scene:
     arrays = {content_hash(array): array for array in given}
     try:
         scene = from_plain(part.get("scene"), arrays)
     except MissingArray as missing:
         arrays |= _phantom_like(missing)
+        arrays |= recorded_masks(recipe, part.get("scene") or {}, list(arrays.values()))
         try:
             scene = from_plain(part.get("scene"), arrays)
         except MissingArray as still:
             raise ValueError(_missing(still, given)) from None
     if not isinstance(scene, Scene):
         raise ValueError("the recipe holds no scene")
+    return scene
+
+
+def _planned(scene: Scene) -> Plan:
     try:
         return plan(scene)
     except (TypeError, AttributeError, IndexError) as error:
@@ -178,11 +194,15 @@ def _values(item: Any) -> NDArray[Any]:
 # Display
 
 
-def _shown(picture: Picture, part: dict[str, Any]) -> Picture:
+def _display(part: dict[str, Any]) -> Display:
     try:
-        display = Display(**part.get("display", {}))
+        return Display(**part.get("display", {}))
     except TypeError as error:
         raise ValueError(f"the recipe's display is none of this version: {error}") from None
+
+
+def _shown(picture: Picture, part: dict[str, Any]) -> Picture:
+    display = _display(part)
     how = part.get("denoised")
     if how is None:
         return picture.with_display(display)

@@ -104,8 +104,9 @@ def _head(picture: Picture) -> str:
     return (
         f"<h1>vtkmcvr {html.escape(__version__)}</h1><p class=key>{known}</p>"
         f"<p>{width} x {height} pixels, {picture.samples} samples each, {picture.seconds:.2f} s on "
-        f"{html.escape(picture.rendered_on)} ({picture.paths_per_second / 1e6:.2f} M paths/s); ended by "
-        f"{html.escape(picture.stopped_by)}; samples rejected: {picture.rejected}.</p>"
+        f"{html.escape(picture.rendered_on)} ({picture.paths_per_second / 1e6:.2f} M paths/s); "
+        f"ended by {html.escape(picture.stopped_by)}; "
+        f"samples rejected: {picture.rejected_samples}.</p>"
     )
 
 

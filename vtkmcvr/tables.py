@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .material import TransferFunction, TransferTable
+from .volume import Volume
 from .voxels import Voxels
 
 # Table entries: at least, for float data, at most
@@ -15,8 +16,10 @@ FEWEST, FLOAT_ENTRIES, MOST = 4096, 16384, 2**17
 # An opacity of 1 stands for this optical depth over the shorter of unit distance and smallest voxel
 # edge: a transmittance of 2^-24, the resolution of float32 alpha.
 OPAQUE_DEPTH = 24 * float(np.log(2.0))
-# Extinction is at most this much over the smallest voxel edge, so that no walk stalls (HC-09).
-DEEPEST_VOXEL = 64.0
+# Extinction is at most this much over the smallest voxel edge, and over the diagonal, so that no
+# walk stalls or takes for ever (HC-09). The second one matters where voxels are hundreds of times
+# longer than they are thick.
+DEEPEST_VOXEL, DEEPEST_VOLUME = 64.0, 2.0**20
 
 
 @dataclass(frozen=True)
@@ -60,6 +63,11 @@ class Tables:
     too_fine: bool
 
 
+def shortest_edge(volume: Volume) -> float:
+    """Smallest voxel edge; not so small that `DEEPEST_VOXEL` would pass `DEEPEST_VOLUME`."""
+    return max(float(volume.spacing.min()), 2 * volume.radius * DEEPEST_VOXEL / DEEPEST_VOLUME)
+
+
 def table_entries(span: float, finest_step: float, integer: bool) -> int:
     """Number of entries over a span of values whose nodes are at least `finest_step` apart."""
     if span <= 0:
@@ -83,9 +91,9 @@ def build_tables(
     `finest` is the smallest distance of nodes that the table has to resolve; default: its own.
     """
     span = voxels.highest - voxels.lowest
-    finest = finest_step(transfer) if finest is None else finest
+    finest = (finest_step(transfer) if finest is None else finest) / voxels.unit
     n = table_entries(span, finest, voxels.integer)
-    x = np.linspace(voxels.lowest, voxels.highest, n) + voxels.offset
+    x = np.linspace(voxels.lowest, voxels.highest, n) * voxels.unit + voxels.offset
     sigma_t, capped = limited(_densest(transfer, x, smallest_spacing), transfer, smallest_spacing)
     # A table of scalar and gradient has colours of its own
     colour = np.zeros((2, 3)) if transfer.colour is None else transfer.colour(x)
@@ -101,7 +109,7 @@ def build_tables(
         g=None if transfer.g is None else _table(transfer.g(x)),
         per_scalar=(n - 1) / span if span > 0 else 0.0,
         capped=capped,
-        pitch=pitch,
+        pitch=pitch * voxels.unit,
         entries=n,
         too_fine=bool(np.isfinite(finest) and finest < 2 * pitch),
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 import weakref
 from dataclasses import dataclass
 
@@ -21,6 +22,9 @@ SMALLEST_CELL, MOST_CELLS = 3, 2**21
 # Types that kernels read as they are; everything else is converted once
 NATIVE = ("uint8", "int16", "uint16", "float32")
 EXACT_IN_FLOAT32 = 2**24
+# Scalars of larger or of smaller magnitude than 2^24 and 2^-24 are kept in another unit: squares of
+# gradients, and table entries per scalar, would leave the range of float32
+LARGEST_MAGNITUDE = 2.0**24
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +35,9 @@ class Voxels:
     ----------
     values : array (k, j, i), C order, writeable, of a type in `NATIVE`
     offset : float
-        scalar = stored value + offset; 0 unless float32 could not hold the scalars.
+        scalar = stored value x unit + offset; 0 unless float32 could not hold the scalars.
+    unit : float
+        A power of two; 1 unless the scalars are huge or tiny.
     lowest, highest : float
         Range of the stored finite values.
     integer : bool
@@ -47,6 +53,7 @@ class Voxels:
 
     values: NDArray
     offset: float
+    unit: float
     lowest: float
     highest: float
     integer: bool
@@ -65,7 +72,7 @@ class Voxels:
         return {}
 
     def largest_gradient(self, world_from_index_gradient: NDArray) -> float:
-        """Largest gradient magnitude over the voxels, scalar per world unit; computed once."""
+        """Largest gradient magnitude over the voxels, stored per world unit; computed once."""
         key = world_from_index_gradient.tobytes()
         if key not in self._gradients:
             rows = matrix(world_from_index_gradient)
@@ -93,7 +100,7 @@ def voxels_of(volume: Volume) -> Voxels:
 
 
 def _prepare(raw: NDArray, rgb: NDArray | None) -> Voxels:
-    values, offset, not_finite = _kernel_values(raw)
+    values, offset, unit, not_finite = _kernel_values(raw)
     cell = cell_edge(values.shape)
     lowest, highest = _cell_ranges(values, cell)
     low, high = float(lowest.min()), float(highest.max())
@@ -104,7 +111,9 @@ def _prepare(raw: NDArray, rgb: NDArray | None) -> Voxels:
     colours = None
     if rgb is not None:
         colours = (rgb[..., 0].copy(), rgb[..., 1].copy(), rgb[..., 2].copy())
-    return Voxels(values, offset, low, high, integer, cell, lowest, highest, colours, not_finite)
+    return Voxels(
+        values, offset, unit, low, high, integer, cell, lowest, highest, colours, not_finite
+    )
 
 
 def cell_edge(shape: tuple[int, ...]) -> int:
@@ -119,42 +128,50 @@ def _cell_ranges(values: NDArray, cell: int) -> tuple[NDArray, NDArray]:
     return lowest, highest
 
 
-def _kernel_values(raw: NDArray) -> tuple[NDArray, float, int]:
-    """Values in a native type, the offset that was taken off, and how many were not finite."""
+def _kernel_values(raw: NDArray) -> tuple[NDArray, float, float, int]:
+    """Values in a native type, their offset and unit, and how many were not finite."""
     if raw.dtype.kind == "b":
         raw = raw.astype(np.uint8)
-    offset, not_finite = 0.0, 0
+    offset, unit, not_finite = 0.0, 1.0, 0
     if raw.dtype.kind == "f":
         finite = np.isfinite(raw)
         not_finite = int(raw.size - np.count_nonzero(finite))
-        if raw.dtype != np.float32:
-            raw, offset = _as_float32(np.where(finite, raw, np.nan) if not_finite else raw)
-        elif not_finite:
-            raw = np.where(finite, raw, np.float32(np.nan))
+        raw = np.where(finite, raw, raw.dtype.type(np.nan)) if not_finite else raw
+        if raw.dtype != np.float32 or _unit(raw) != 1.0:
+            raw, offset, unit = _as_float32(raw.astype(np.float64))
     elif raw.dtype.name not in NATIVE:
-        raw, offset = _narrow_integers(raw)
+        raw, offset, unit = _narrow_integers(raw)
     values = np.ascontiguousarray(raw, raw.dtype.newbyteorder("="))
     if not values.flags.writeable:
         values = values.copy()
-    return values, offset, not_finite
+    return values, offset, unit, not_finite
 
 
-def _narrow_integers(raw: NDArray) -> tuple[NDArray, float]:
+def _narrow_integers(raw: NDArray) -> tuple[NDArray, float, float]:
     """Small integer type that holds the values, else float32."""
     low, high = int(raw.min()), int(raw.max())
     for name in ("uint8", "int16", "uint16"):
         limits = np.iinfo(name)
         if limits.min <= low and high <= limits.max:
-            return raw.astype(name), 0.0
+            return raw.astype(name), 0.0, 1.0
     if max(abs(low), abs(high)) <= EXACT_IN_FLOAT32:
-        return raw.astype(np.float32), 0.0
+        return raw.astype(np.float32), 0.0, 1.0
     return _as_float32(raw.astype(np.float64))
 
 
-def _as_float32(raw: NDArray) -> tuple[NDArray, float]:
+def _unit(raw: NDArray) -> float:
+    """Power of two that brings the largest magnitude to 1; 1 where that is not far off."""
+    ends = np.fmin.reduce(raw, axis=None), np.fmax.reduce(raw, axis=None)
+    largest = float(np.abs(ends).max())
+    if not largest or np.isnan(largest) or 1 / LARGEST_MAGNITUDE <= largest <= LARGEST_MAGNITUDE:
+        return 1.0
+    return math.ldexp(1.0, math.frexp(largest)[1])
+
+
+def _as_float32(raw: NDArray) -> tuple[NDArray, float, float]:
     """float32 values; around an offset where the range is narrow against the magnitude."""
     if np.isnan(raw).all():
-        return np.full(raw.shape, np.nan, np.float32), 0.0
+        return np.full(raw.shape, np.nan, np.float32), 0.0, 1.0
     low, high = float(np.nanmin(raw)), float(np.nanmax(raw))
     largest = max(abs(low), abs(high))
     if largest > float(np.finfo(np.float32).max) / 4:
@@ -163,4 +180,6 @@ def _as_float32(raw: NDArray) -> tuple[NDArray, float]:
             "float32"
         )
     offset = low if 0 < high - low < 1e-3 * largest else 0.0
-    return (raw - offset).astype(np.float32), offset
+    raw = raw - offset
+    unit = _unit(raw)
+    return (raw / unit).astype(np.float32), offset, unit

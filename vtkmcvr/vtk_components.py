@@ -74,4 +74,5 @@ def _look(
 def scalar_range(volume: Volume) -> tuple[float, float]:
     """Smallest and largest finite scalar of a volume."""
     voxels = voxels_of(volume)
-    return voxels.lowest + voxels.offset, voxels.highest + voxels.offset
+    low, high = (x * voxels.unit + voxels.offset for x in (voxels.lowest, voxels.highest))
+    return low, high

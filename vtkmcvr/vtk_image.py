@@ -52,7 +52,8 @@ def image_of_picture(picture: Picture | OcclusionPicture) -> vtkImageData:
     vtkImageData
         float32 point arrays "radiance" (active; linear RGB premultiplied by alpha, then alpha),
         "depth" (world units; inf where the volume is missed), "standard_error" (of RGB) where the
-        technique has one, and "albedo" and "normal" where the scene asked for them.
+        technique has one, and "albedo" and "normal" where the scene asked for them. Field data:
+        "samples" of a pixel, and "rejected_samples" of the picture, 0 unless something is wrong.
     """
     arrays = {
         "radiance": np.dstack([picture.radiance, picture.alpha]),
@@ -61,7 +62,12 @@ def image_of_picture(picture: Picture | OcclusionPicture) -> vtkImageData:
         "albedo": picture.albedo,
         "normal": picture.normal,
     }
-    return image_of_arrays({name: array for name, array in arrays.items() if array is not None})
+    image = image_of_arrays({name: array for name, array in arrays.items() if array is not None})
+    for name in ("samples", "rejected_samples"):
+        value = numpy_to_vtk(np.array([getattr(picture, name)], np.int64), deep=True)
+        value.SetName(name)
+        image.GetFieldData().AddArray(value)
+    return image
 
 
 def image_of_radiance(radiance: NDArray, alpha: NDArray) -> vtkImageData:

@@ -41,6 +41,9 @@ VOLUMES = {
     "cthead": ("scivis/cthead/CThead.nhdr", ((1000, 0.0), (1400, 0.5)), 1.2),
     "headsq": ("nrrd/headsq/quarter.%d", ((500, 0.0), (1150, 0.25)), 1.2),
 }
+# The same volumes as bone and metal look
+OPAQUE = 8.0
+NAMES = (*VOLUMES, *(f"{name}, opaque" for name in VOLUMES))
 THETAS = (30, 60, 80)
 MODES = {
     "default": {},
@@ -52,7 +55,9 @@ MODES = {
 
 def scene_of_volume(name: str, size: int) -> Scene:
     """The volume under an even sky, filling the view."""
-    file, nodes, zoom = VOLUMES[name]
+    file, nodes, zoom = VOLUMES[name.split(",")[0]]
+    if name.endswith("opaque"):
+        nodes = (nodes[0], (nodes[1][0], OPAQUE))
     volume = _head_square(file) if "%" in file else volume_of(read_vtk(str(DATA / file)))
     transfer = TransferFunction(None, ColourCurve([(0, 1, 1, 1)]), extinction=Curve(nodes))
     camera = view_camera(volume, azimuth=-35, elevation=25, aspect=1.0, zoom=zoom)
@@ -81,7 +86,7 @@ def timed(scene: Scene, occlusion: Occlusion, runs: int):
 
 def errors(size: int, samples: int) -> list[dict]:
     rows = []
-    for name in VOLUMES:
+    for name in NAMES:
         scene = scene_of_volume(name, size)
         for theta in THETAS:
             begin = time.process_time()
@@ -108,7 +113,7 @@ def speeds(runs: int) -> list[dict]:
     """512 x 512 pixels, 679 slices, 70 degrees, as in the paper's figure of the engine."""
     rows = []
     cases = [("fast", {"mode": "fast"}), ("default", {})]
-    for name in ("engine", "cthead"):
+    for name in ("engine", "cthead", "engine, opaque"):
         scene = scene_of_volume(name, 512)
         for mode, settings in cases:
             picture, seconds = timed(scene, Occlusion(70, slices=679, **settings), runs)

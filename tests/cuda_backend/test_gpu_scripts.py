@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -18,16 +19,22 @@ import agreement
 
 
 class Biased(FakeDevice):
-    """A device whose light is 3 % too bright."""
+    """A device whose light is 10 % too bright."""
 
     def download(self, film):
         found = copy_film(film)
-        found.mean[:] *= 1.03
+        found.mean[:] *= 1.1
         return found
+
+
+SMALL = replace(agreement.SINGLE, size=(32, 24))
 
 
 @pytest.fixture
 def on(monkeypatch):
+    monkeypatch.setattr(agreement, "SINGLE", SMALL)
+    monkeypatch.setattr(agreement, "SAMPLES", 128)
+
     def use(kind):
         monkeypatch.setattr(backends, "missing", lambda: None)
         monkeypatch.setattr(device, "CudaDevice", kind)

@@ -67,8 +67,8 @@ def compared(described):
         "pixels_alike_with_one_seed": float((apart < 1e-4).mean()),
         "z_of_the_mean_radiance": z_mean,
         "pixels_within_1.96_standard_errors": covered,
-        "rejected": cuda.rejected,
-        "passed": bool(abs(z_mean) < 4 and covered > 0.9 and cuda.rejected == 0),
+        "rejected": cuda.rejected_samples,
+        "passed": bool(abs(z_mean) < 4 and covered > 0.9 and cuda.rejected_samples == 0),
     }
 
 

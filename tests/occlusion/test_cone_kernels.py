@@ -9,7 +9,7 @@ from compiled import compiled
 from vtkmcvr import packed
 from vtkmcvr.kernels.cone_beams import held, mean_transmitted, transmitted
 from vtkmcvr.kernels.cone_single import blur_columns, blur_rows
-from vtkmcvr.kernels.cone_transfer import integral_at, mean_albedo, mean_extinction
+from vtkmcvr.kernels.cone_transfer import mean_albedo, mean_extinction
 from vtkmcvr.occlusion.medium import integrals_of
 
 f32 = np.float32
@@ -40,9 +40,17 @@ def integrals():
     sigma_t[:9] = 0
     none = (None,) * 7
     colour = rng.random((n, 3)).astype(f32)
-    return integrals_of(packed.Transfer(
-        sigma_t, colour, f32(-2), f32(10), *none, np.int32(0), np.int32(len(sigma_t))
-    ))
+    return integrals_of(
+        packed.Transfer(
+            sigma_t, colour, f32(-2), f32(10), *none, np.int32(0), np.int32(len(sigma_t))
+        )
+    )
+
+
+def mean(integrals, x, y):
+    """Mean extinction between two table positions."""
+    i = integrals
+    return compiled(mean_extinction)(i.sigma_t, i.depth, np.int32(0), i.last, f32(x), f32(y))
 
 
 def test_no_extinction_is_known_up_to_its_first_entry(integrals):
@@ -53,13 +61,12 @@ def test_no_extinction_is_known_up_to_its_first_entry(integrals):
 def test_mean_extinction_is_that_of_many_points(integrals, x, y):
     along = np.linspace(x, y, 20001)
     expected = np.interp(along, np.arange(64), integrals.sigma_t).mean()
-    step = compiled(integral_at)(integrals, f32(y)) - compiled(integral_at)(integrals, f32(x))
-    found = compiled(mean_extinction)(integrals, f32(x), f32(y), step)
+    found = mean(integrals, x, y)
     assert found == pytest.approx(expected, rel=1e-3)
 
 
 def test_half_of_a_stretch_without_data_is_empty(integrals):
-    found = compiled(mean_extinction)(integrals, f32(-1), f32(20), 0.0)
+    found = mean(integrals, -1, 20)
     assert found == pytest.approx(integrals.sigma_t[20] / 2)
 
 
@@ -67,7 +74,7 @@ def test_albedo_is_weighted_by_extinction(integrals):
     along = np.linspace(10, 30, 20001)
     entries = np.arange(64)
     sigma_t = np.interp(along, entries, integrals.sigma_t)
-    found = compiled(mean_albedo)(integrals, f32(10), f32(30))
+    found = compiled(mean_albedo)(integrals, np.int32(0), f32(10), f32(30))
     for c in range(3):
         # Products of linear pieces are integrated by trapezia
         lit = np.interp(along, entries, integrals.sigma_t * integrals.colour[:, c])
@@ -109,9 +116,9 @@ def test_running_blur_is_the_direct_sum(width, axis):
     a = np.random.default_rng(1).random((23, 31)).astype(f32)
     out = np.empty_like(a)
     if axis:
-        blur_rows(a, out, f32(width))
+        blur_rows(a, out, f32(width), 0, len(a))
     else:
-        blur_columns(a, out, np.empty(31, f32), f32(width))
+        blur_columns(a, out, np.empty(31, f32), f32(width), 0, 31)
     reach = int((width - 1) / 2)
     rest = (width - 1) / 2 - reach
     kernel = np.array([rest, *[1.0] * (2 * reach + 1), rest]) / width
@@ -125,7 +132,7 @@ def test_the_blurs_variance_is_the_windows():
     a, out = np.zeros((1, 101), f32), np.zeros((1, 101), f32)
     a[0, 50] = 1
     for width in (2.5, 9.0, 13.2):
-        blur_rows(a, out, f32(width))
+        blur_rows(a, out, f32(width), 0, len(a))
         variance = (out[0] * (np.arange(101) - 50) ** 2).sum()
         assert out.sum() == pytest.approx(1, abs=1e-5)
         # Between whole widths the end pixels are thicker than a box's: at most 1/6 pixel^2

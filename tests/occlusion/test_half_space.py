@@ -78,6 +78,7 @@ def test_slab_without_a_cone(mode, tau):
 @pytest.mark.parametrize("sigma_t", [1e-7, 1e-3, 1e2, 1e4])
 @pytest.mark.parametrize("theta", [0, 60, 89.9])
 def test_stable_at_all_densities_and_angles(mode, sigma_t, theta):
+    # HC-81: tan(theta) grows without bound
     vol, transfer = block(4.0, 12.0, sigma_t)
     picture = render_occlusion(
         scene(vol, transfer, frontal(2.0), size=(7, 7)), Occlusion(theta, mode, grid=3)

@@ -64,11 +64,13 @@ def test_radiance_in_place_of_lights(light, expected):
 def test_command_line(tmp_path, capsys):
     out, facts = tmp_path / "a.npz", tmp_path / "a.json"
     demo = ["demo", "-o", str(out), "--technique", "occlusion", "--theta", "40", "--size", "32x24",
-            "--mode", "fast", "--slices", "90", "--json", str(facts), "--threads", "2"]  # fmt: skip
+            "--toward-light", "-0.5", "-1", "0.2", "--slices", "90", "--json",
+            str(facts), "--threads", "2"]  # fmt: skip
     assert main(demo) == 0
     text = capsys.readouterr().out
     assert "cone of 40 degrees" in text and "biased" in text
-    assert json.loads(facts.read_text())["mode"] == "fast"
+    assert "the direction (-0.4" in text
+    assert json.loads(facts.read_text())["mode"] == "default"
     assert np.load(out)["radiance"].max() > 0
 
 
@@ -84,7 +86,7 @@ def test_filter_gives_the_arrays_of_the_monte_carlo_filter():
     source = vtkRTAnalyticSource()
     source.SetWholeExtent(-6, 6, -6, 6, -6, 6)
     filters = [
-        DirectionalOcclusionFilter(occlusion=vtkmcvr.Occlusion(50), aovs=("normal",)),
+        DirectionalOcclusionFilter(occlusion=vtkmcvr.Occlusion(50), aovs=("albedo", "normal")),
         MonteCarloFilter(samples=8),
     ]
     images = []
@@ -100,6 +102,9 @@ def test_filter_gives_the_arrays_of_the_monte_carlo_filter():
     assert occlusion.GetDimensions() == traced.GetDimensions() == (16, 12, 1)
     for name in ("radiance", "depth"):
         assert array_of_image(occlusion, name).shape == array_of_image(traced, name).shape
+    albedo = array_of_image(occlusion, "albedo")
+    assert (albedo <= array_of_image(occlusion, "radiance")[..., 3:] + 1e-5).all()
+    assert albedo.max() > 0.1
     normal = array_of_image(occlusion, "normal")
     assert 0.5 < np.linalg.norm(normal, axis=2).max() < 1.001
     alpha = [array_of_image(image, "radiance")[..., 3] for image in images]

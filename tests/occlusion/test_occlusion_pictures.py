@@ -7,7 +7,6 @@ import pytest
 from occlusion_scenes import block, frontal, half_space_scene, medium
 from scenes import BOX, blob, noise, scene, volume
 
-from vtkmcvr import Plane, PlaneReceiver
 from vtkmcvr.lights import ConstantEnvironment
 from vtkmcvr.occlusion import Occlusion, render_occlusion
 from vtkmcvr.phases import Cone
@@ -105,6 +104,7 @@ def test_same_bits_for_any_number_of_threads(mode):
 
 @pytest.mark.parametrize("mode", ["default", "fast", "paper"])
 def test_skipping_empty_and_saturated_space_changes_nothing(mode):
+    # HC-91
     lit = scene(lumps(), medium(40.0), PERSPECTIVE, (40, 40), lights=SKY)
     quick = render_occlusion(lit, Occlusion(70, mode, grid=3))
     whole = render_occlusion(lit, Occlusion(70, mode, grid=3, skip=False))
@@ -280,18 +280,3 @@ def test_cameras_without_a_view_axis_are_refused():
         render_occlusion(replace(lit, camera=eyes))
     one = replace(eyes, stereo=Stereo("left"))
     assert render_occlusion(replace(lit, camera=one)).alpha.max() > 0.5
-
-
-@pytest.mark.parametrize(
-    "part",
-    [
-        {"clip": (Plane((0, 0, 0), (0, 1, 0)),)},
-        {"mask": np.ones((17, 17, 17), bool)},
-        {"receivers": (PlaneReceiver((0, 0, -1), (0, 0, 1)),)},
-    ],
-    ids=lambda part: next(iter(part)),
-)
-def test_parts_that_slices_do_not_know_are_refused(part):
-    lit = scene(blob(), medium(3.0), size=(16, 8), **part)
-    with pytest.raises(ValueError, match=f"does not know {next(iter(part))} yet"):
-        render_occlusion(lit)

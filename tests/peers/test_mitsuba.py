@@ -126,7 +126,7 @@ def render_theirs(peer, path):
 
 def render_ours(scene):
     picture = render_scene(scene, samples=OUR_SAMPLES, seed=1)
-    assert picture.rejected == 0
+    assert picture.rejected_samples == 0
     return Image(picture.radiance.astype(float), picture.standard_error.astype(float))
 
 

@@ -27,6 +27,9 @@ def add_occlusion_options(parser: argparse.ArgumentParser) -> None:
     add("--detail", type=float, help="occlusion: 2 is twice as fine in all directions")
     add("--grid", type=int, help="occlusion: n of the n x n samples of --mode paper")
     add("--bleeding", type=float, help="occlusion: share of light that goes on in colour, 0 to 1")
+    add("--toward-light", nargs=3, type=float, metavar=("X", "Y", "Z"),
+        help="occlusion: world direction of the cone's axis; default, the view ray")  # fmt: skip
+    add("--exact-distance", action="store_true", help="occlusion: --mode paper by Algorithm 2")
     add("--shaded", action="store_true", help="occlusion: surfaces shaded by their gradients")
 
 
@@ -37,8 +40,9 @@ def occlusion_options(args: argparse.Namespace) -> dict[str, Any]:
         for name, field in FIELDS.items()
         if getattr(args, name) is not None
     }
-    if args.shaded:
-        given["shaded"] = True
+    if args.toward_light is not None:
+        given["toward_light"] = tuple(args.toward_light)
+    given |= {name: True for name in ("shaded", "exact_distance") if getattr(args, name)}
     if args.technique != "occlusion":
         if given:
             raise ValueError(f"{', '.join(sorted(given))}: only with --technique occlusion")

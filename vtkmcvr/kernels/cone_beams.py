@@ -11,11 +11,14 @@ import math
 
 import numpy as np
 
+from ..packed import Beam
+from .cone_layers import SEGMENT
 from .jit import device, kernel
 
 f32, i32, index = np.float32, np.int32, np.uintp
 ZERO, HALF, ONE, TWO = f32(0.0), f32(0.5), f32(1.0), f32(2.0)
 SIXTH = f32(1.0 / 6.0)
+STEP = f32(1.0 / SEGMENT)
 # (1 - e^-x) / x as a quotient of polynomials: 1 - x/2 + x^2/6 at 0, 1/x at infinity, relative error
 # 6e-4 in between
 P1, P2, P3 = f32(0.28106047), f32(0.06866372), f32(0.01305129)
@@ -132,66 +135,110 @@ def eye_secant(perspective, row, column):
 @device
 def attenuate(buffer, origin, depth, runs, layer, y, x, share):
     """Add `share` of a layer's optical depth to the rays that cross it."""
-    for row in range(runs.count.shape[1]):
+    shift = -x - origin[1]
+    for run in range(runs.first[layer], runs.first[layer + 1]):
+        row = runs.listed[run, 0]
         j = index(row - y - origin[0])
-        shift = -x - origin[1]
-        for run in range(runs.count[layer, row]):
-            for column in range(runs.start[layer, row, run], runs.end[layer, row, run]):
-                buffer[j, index(column + shift)] += share * depth[layer, row, index(column)]
+        for column in range(runs.listed[run, 1], runs.listed[run, 2]):
+            buffer[j, index(column + shift)] += share * depth[layer, row, index(column)]
+
+
+@device
+def relieved(relief, layer, row, column, depth):
+    """Optical depth less what the raster's steps added to it, which may be in the layer itself."""
+    if relief is None:
+        return depth
+    return depth - relief[layer, row, column]
 
 
 @device
 def gather(
-    perspective, cone, beam, zoom, buffer, origin, depth, tinted, runs, layer, y, x, light, weight
-):
-    """Read the beam wherever the eye sees anything in a layer."""
-    for row in range(runs.count.shape[1]):
+    perspective, cone, beam, zoom, bright, buffer, origin, layers, tinted, runs, layer, y, x,
+    light, weight,
+):  # fmt: skip
+    """Read the beam wherever the eye sees anything in a layer; `bright`: not where it sees little.
+
+    Weight and path length of the direction go evenly over a span of columns.
+    """
+    depth, relief = layers.depth, layers.relief
+    shift = -x - origin[1]
+    span = span_of(perspective)
+    per_column = ONE / f32(span)
+    for run in range(runs.first[layer], runs.first[layer + 1]):
+        row, start, end = runs.listed[run, 0], runs.listed[run, 1], runs.listed[run, 2]
         j = index(row - y - origin[0])
-        shift = -x - origin[1]
-        for run in range(runs.count[layer, row]):
-            start = runs.start[layer, row, run]
-            slot = runs.slot[layer, row, run] - start
-            for column in range(start, runs.end[layer, row, run]):
-                secant, share = direction_at(perspective, cone, beam, zoom, row, column)
-                oblique = eye_secant(perspective, row, column)
-                path = (
-                    depth[layer, row, index(column)] * oblique
-                    + tinted[layer, row, index(column)] * secant
-                )
-                T = transmitted(buffer[j, index(column + shift)] * secant)
-                light[index(slot + column)] += share * T * mean_transmitted(path)
-                add_weight(perspective, weight, slot + column, share)
+        slot = runs.slot[run] - start
+        for begin in range(start, end, span):
+            s0, w0 = direction_at(perspective, cone, beam, zoom, row, begin)
+            s1, w1 = direction_at(perspective, cone, beam, zoom, row, begin + span)
+            e0 = eye_secant(perspective, row, begin)
+            e1 = eye_secant(perspective, row, begin + span)
+            if max(w0, w1) <= ZERO:
+                continue
+            ds, dw, de = (s1 - s0) * per_column, (w1 - w0) * per_column, (e1 - e0) * per_column
+            for first in range(begin, min(begin + span, end), SEGMENT):
+                if bright and runs.flags[layer, row, first // SEGMENT] == 1:
+                    continue
+                along = f32(first - begin)
+                s, w, e = s0 + ds * along, w0 + dw * along, e0 + de * along
+                segment = index((slot + first) // SEGMENT)
+                weight[segment, 0] += w
+                weight[segment, 1] += w + dw * f32(SEGMENT)
+                for i in range(SEGMENT):
+                    column = index(first + i)
+                    f = f32(i)
+                    sec = s + ds * f
+                    T = transmitted(
+                        sec
+                        * relieved(relief, layer, row, column, buffer[j, index(first + i + shift)])
+                    )
+                    path = (
+                        depth[layer, row, column] * (e + de * f) + tinted[layer, row, column] * sec
+                    )
+                    light[index(slot + first + i)] += (w + dw * f) * min(
+                        T * mean_transmitted(path), ONE
+                    )
 
 
 @device
-def add_weight(perspective, weight, slot, share):
-    """Count a direction; in a parallel view all pixels have the same ones."""
+def span_of(perspective):
+    """Columns over which directions go evenly."""
     if perspective is None:
-        return
-    weight[index(slot)] += share
+        return 4096
+    return perspective.span
 
 
 @kernel
-def trace_beam(
-    perspective, cone, beam, buffer, origin, places, first, zooms, depth, tinted, filled, visible,
-    light, weight,
+def trace_beams(
+    perspective, cone, beams, members, bright, buffers, origins, places, first, start, zooms,
+    layers, tinted, filled, visible, light, weight, spare,
 ):  # fmt: skip
-    """Take one beam through a block of layers: what the eye sees of it, and its shadow.
+    """Take some beams through a block of layers: what the eye sees of them, and their shadows.
 
-    `places` (n, 2): by how many rows and columns the beam's raster has moved, for each layer in
-    each of the parts in which it is crossed; `first` (layers + 1,): where a layer's places start.
-    `depth` and `tinted` are the layers' optical depth for the eye and for the beam's light.
+    `tinted` is the layers' optical depth for light of one or three colours, [colour, ...].
+    `beams` (n, 3) are sideways measures and weights, `members` the numbers of those to take;
+    `buffers` and `origins` are [beam, colour, ...]. `places` (m, 2): by how many rows and columns a
+    beam's raster has moved, for each layer in each of the parts in which it is crossed;
+    `first` (n, layers + 1): where a layer's places start, `start` being the block's first layer.
+    `bright`: the beams are left out where the eye sees little. `weight` (segments, 2) is summed at
+    both ends of a segment; the weights of the second and third colour are the same, and go to
+    `spare`.
     """
-    layers, rows, columns = depth.shape
-    for layer in range(layers):
-        start, end = first[layer], first[layer + 1]
-        middle = (start + end) // 2
-        held(buffer, origin, places[middle, 0], places[middle, 1], rows, columns)
-        gather(
-            perspective, cone, beam, zooms[layer], buffer, origin, depth, tinted, visible, layer,
-            places[middle, 0], places[middle, 1], light, weight,
-        )  # fmt: skip
-        for place in range(start, end):
-            y, x = places[place, 0], places[place, 1]
-            held(buffer, origin, y, x, rows, columns)
-            attenuate(buffer, origin, tinted, filled, layer, y, x, ONE / f32(end - start))
+    count, rows, columns = layers.depth.shape
+    for k in members:
+        beam = Beam(beams[k, 0], beams[k, 1], beams[k, 2])
+        for channel in range(buffers.shape[1]):
+            own = tinted[channel]
+            buffer, origin = buffers[k, channel], origins[k, channel]
+            for layer in range(count):
+                a, b = first[k, start + layer], first[k, start + layer + 1]
+                y, x = places[(a + b) // 2, 0], places[(a + b) // 2, 1]
+                held(buffer, origin, y, x, rows, columns)
+                gather(
+                    perspective, cone, beam, zooms[layer], bright, buffer, origin, layers, own,
+                    visible, layer, y, x, light[channel], weight if channel == 0 else spare,
+                )  # fmt: skip
+                for place in range(a, b):
+                    y, x = places[place, 0], places[place, 1]
+                    held(buffer, origin, y, x, rows, columns)
+                    attenuate(buffer, origin, own, filled, layer, y, x, ONE / f32(b - a))

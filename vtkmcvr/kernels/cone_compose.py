@@ -5,22 +5,30 @@ import math
 import numpy as np
 
 from .brdf import surface_opacity, surface_probability
-from .cone_layers import pixel_ray, secant
+from .cone_layers import SEGMENT, pixel_ray, secant
 from .cone_transfer import stretch_albedo
-from .grid import gradient
+from .cut import cut_face
+from .grid import INFINITE, gradient
 from .jit import device, kernel
 from .vec import add, at, dot, normalize, scale
 
-f32 = np.float32
+f32, index = np.float32, np.uintp
 ZERO, HALF, ONE = f32(0.0), f32(0.5), f32(1.0)
 NO_NORMAL = (ZERO, ZERO, ZERO)
+STEP = f32(1.0 / SEGMENT)
 
 
 @device
 def film_normal(shade, medium, p, toward_eye):
-    """Unit normal on the viewer's side, and gradient magnitude; zero without `shade`."""
+    """Unit normal on the viewer's side, and gradient magnitude; zero without `shade`.
+
+    A cut face has the cut's normal, and the largest gradient.
+    """
     if shade is None:
         return NO_NORMAL, ZERO
+    on_face, face = cut_face(medium.clip, medium.holes, medium.regions, p, toward_eye)
+    if on_face:
+        return face, INFINITE
     g = gradient(medium.values, shade.surface.world_from_index_gradient, p)
     magnitude = math.sqrt(dot(g, g))
     if not magnitude > ZERO:
@@ -68,21 +76,51 @@ def shaded(shade, albedo, normal, magnitude, toward_eye, sigma_t):
 
 
 @device
-def add_normal(sums, i, j, normal, share):
-    """Keep the normal where a film does."""
+def add_vector(sums, i, j, vector, share):
+    """Keep a normal or an albedo where a film does."""
     if sums is None:
         return
     for c in range(3):
-        sums[i, j, c] += share * normal[c]
+        sums[i, j, c] += share * vector[c]
 
 
 @device
-def sum_of(groups, channel, slot):
-    """Sum over the groups of directions, always in the same order."""
-    total = ZERO
-    for g in range(groups.shape[0]):
-        total += groups[g, channel, slot]
-    return total
+def albedo_there(mixed, medium, transfer, integrals, layers, layer, row, column, p):
+    """Albedo of a pixel in a layer; where there are several volumes, that of the mixture."""
+    if mixed is None:
+        return stretch_albedo(
+            transfer.colour_grid, transfer.table_2d, medium.labels, medium, transfer, integrals,
+            layers.front[layer, row, column], layers.back[layer, row, column], p,
+        )  # fmt: skip
+    inverse = ONE / layers.depth[layer, row, column]
+    return (
+        mixed[0, layer, row, column] * inverse,
+        mixed[1, layer, row, column] * inverse,
+        mixed[2, layer, row, column] * inverse,
+    )
+
+
+@device
+def sum_groups(light, weight, start, end):
+    """Sum the groups of directions into the first one, always in the same order."""
+    for g in range(1, light.shape[0]):
+        for channel in range(light.shape[1]):
+            for slot in range(start, end):
+                light[0, channel, index(slot)] += light[g, channel, index(slot)]
+        for segment in range(start // SEGMENT, end // SEGMENT):
+            weight[0, index(segment), 0] += weight[g, index(segment), 0]
+            weight[0, index(segment), 1] += weight[g, index(segment), 1]
+
+
+@device
+def add_film(normals, albedos, i, j, normal, albedo, a, T):
+    """What a film keeps of the first collision."""
+    if normals is None:
+        if albedos is None:
+            return
+    share = -math.expm1(-a) * T
+    add_vector(normals, i, j, normal, share)
+    add_vector(albedos, i, j, albedo, share)
 
 
 @kernel
@@ -93,40 +131,42 @@ def compose_rows(
     """Add a block's light to the picture, front to back.
 
     `light` [group of directions, colour or 1, slot] is the light that a layer sends to the eye per
-    optical depth, `weight` [group, 1, slot] the sum of the weights of the directions in it.
+    optical depth, `weight` [group, segment, 2] the sum of the weights of the directions in it, at
+    both ends of segments.
     """
     channels = light.shape[1]
-    for row in range(row_0, row_1):
-        y = f32(row) + HALF
-        for layer in range(layers.depth.shape[0]):
-            middle = block.thickness * (f32(layer) + HALF)
-            for run in range(runs.count[layer, row]):
-                first = runs.start[layer, row, run]
-                for column in range(first, runs.end[layer, row, run]):
+    for layer in range(layers.depth.shape[0]):
+        middle = block.thickness * (f32(layer) + HALF)
+        for run in range(runs.first[layer], runs.first[layer + 1]):
+            row, first, last = runs.listed[run, 0], runs.listed[run, 1], runs.listed[run, 2]
+            if row_0 <= row < row_1:
+                y = f32(row) + HALF
+                start = runs.slot[run]
+                sum_groups(light, weight, start, start + last - first)
+                for column in range(first, last):
                     T = layers.seen[layer, row, column]
                     if not T > ZERO:
                         continue
                     x = f32(column) + HALF
                     oblique = secant(perspective, x, y)
                     a = layers.depth[layer, row, column] * oblique
-                    b, c = layers.front[layer, row, column], layers.back[layer, row, column]
                     o, d = pixel_ray(block, x, y)
                     p = at(o, d, middle)
-                    albedo = stretch_albedo(
-                        transfer.colour_grid, transfer.table_2d, medium, transfer, integrals, b, c,
-                        p,
-                    )  # fmt: skip
+                    albedo = albedo_there(
+                        layers.mixed, medium, transfer, integrals, layers, layer, row, column, p
+                    )
                     toward_eye = way_to_eye(shade, perspective, x, y)
                     normal, magnitude = film_normal(shade, medium, p, toward_eye)
-                    sigma_t = layers.depth[layer, row, column] / block.thickness
+                    sigma_t = layers.whole[layer, row, column] / block.thickness
                     colour = shaded(shade, albedo, normal, magnitude, toward_eye, sigma_t)
-                    slot = runs.slot[layer, row, run] + column - first
-                    scattered = T * a / sum_of(weight, 0, slot)
+                    slot = start + column - first
+                    k = slot // SEGMENT
+                    w = f32(slot % SEGMENT) * STEP
+                    total = weight[0, k, 0] + (weight[0, k, 1] - weight[0, k, 0]) * w
+                    # Without any direction in the cone there, nothing is known of the light
+                    scattered = T * a / total if total > ZERO else ZERO
                     i, j = row - image[1], column - image[0]
                     for c in range(3):
-                        V = sum_of(light, min(c, channels - 1), slot)
+                        V = light[0, min(c, channels - 1), slot]
                         film.radiance[i, j, c] += scattered * colour[c] * V
-                    share = -math.expm1(-a) * T
-                    film.alpha[i, j] += share
-                    film.depth[i, j] += share * (block.before + middle) * oblique
-                    add_normal(film.normal, i, j, normal, share)
+                    add_film(film.normal, film.albedo, i, j, normal, albedo, a, T)

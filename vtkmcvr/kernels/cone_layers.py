@@ -8,14 +8,14 @@ import math
 
 import numpy as np
 
-from .cone_transfer import NOTHING, entry_at, integral_at, stretch_albedo, stretch_extinction
+from .cone_transfer import NOTHING, clipped, entry_at, stretch_albedo, stretch_extinction
 from .jit import device, kernel
 from .vec import at
 
 f32, i32, index = np.float32, np.int32, np.uintp
 ZERO, HALF, ONE = f32(0.0), f32(0.5), f32(1.0)
-# Pixels of a segment, rows of a brick
-SEGMENT, ROWS = 16, 8
+# Pixels of a segment, whole ones of which make a row; columns and rows of a brick
+SEGMENT, BRICK, ROWS = 16, 8, 8
 
 
 @device
@@ -93,18 +93,17 @@ def brick_is_empty(medium, block, column, row, columns, rows, depth):
 
 
 @device
-def untint(tinted, layer, row, column):
-    """Nothing for any colour."""
-    if tinted is None:
+def mix(mixed, layer, row, column, depth, albedo, more):
+    """Colour of several volumes in one place, weighted by their extinction."""
+    if mixed is None:
         return
     for c in range(3):
-        tinted[c, layer, row, column] = ZERO
+        before = mixed[c, layer, row, column] if more else ZERO
+        mixed[c, layer, row, column] = before + depth * albedo[c]
 
 
 @device
-def tint(
-    tinted, medium, transfer, integrals, bleeding, layer, row, column, depth, x, y, p
-):  # fmt: skip
+def tint(tinted, bleeding, layer, row, column, depth, albedo, more):
     """Optical depth for red, green and blue light; nothing where light has no colour.
 
     Light of a colour that the medium scatters well passes it more easily: the share `bleeding` of
@@ -112,79 +111,82 @@ def tint(
     """
     if tinted is None:
         return
-    albedo = stretch_albedo(
-        transfer.colour_grid, transfer.table_2d, medium, transfer, integrals, x, y, p
-    )
     for c in range(3):
-        tinted[c, layer, row, column] = depth * (ONE - bleeding * albedo[c])
+        before = tinted[c, layer, row, column] if more else ZERO
+        tinted[c, layer, row, column] = before + depth * (ONE - bleeding * albedo[c])
 
 
 @device
-def fill_pixel(
-    medium, transfer, integrals, block, perspective, bleeding, layers, transmittance, row, column,
-    eye, opaque,
+def dye(
+    tinted, mixed, medium, transfer, integrals, bleeding, layer, row, column, depth, x, y, p, more
 ):  # fmt: skip
-    """All layers of one pixel. Returns a bit for each layer with any depth, and for each seen."""
+    """What depends on the albedo of a stretch, where anything does."""
+    if tinted is None:
+        if mixed is None:
+            return
+    albedo = (ZERO, ZERO, ZERO)
+    if depth > ZERO:
+        albedo = stretch_albedo(
+            transfer.colour_grid, transfer.table_2d, medium.labels, medium, transfer, integrals,
+            x, y, p,
+        )  # fmt: skip
+    mix(mixed, layer, row, column, depth, albedo, more)
+    tint(tinted, bleeding, layer, row, column, depth, albedo, more)
+
+
+@device
+def fill_pixel(medium, transfer, integrals, block, bleeding, layers, row, column, more):
+    """All layers of one pixel, `more`: added to what is there. Returns a bit for each filled."""
     count = layers.depth.shape[0]
     o, d = pixel_ray(block, f32(column) + HALF, f32(row) + HALF)
     nz, ny, nx = medium.values.shape
     far = (f32(nx - 1), f32(ny - 1), f32(nz - 1))
     enter, leave = inside(o, d, far, block.thickness * f32(count))
-    oblique = secant(perspective, f32(column) + HALF, f32(row) + HALF)
-    T = transmittance[row, column]
-    filled, seen = 0, 0
+    enter, leave = clipped(medium.clip, o, d, enter, leave)
+    filled = 0
     x = NOTHING
-    before = 0.0
     if enter < leave:
         x = entry_at(medium, integrals, at(o, d, enter))
-        before = integral_at(integrals, x)
     for layer in range(count):
-        depth, visible = ZERO, ZERO
+        depth, whole = ZERO, ZERO
         first = x
         front = max(block.thickness * f32(layer), enter)
         back = min(block.thickness * f32(layer + 1), leave)
+        middle = at(o, d, HALF * (front + back))
         if front < back:
-            y = entry_at(medium, integrals, at(o, d, back))
-            if max(x, y) > integrals.clear:
-                sigma_t, before = stretch_extinction(
-                    transfer.gradient_opacity, transfer.table_2d, medium, transfer, integrals,
-                    x, y, before, at(o, d, HALF * (front + back)),
+            x = entry_at(medium, integrals, at(o, d, back))
+            if max(first, x) > integrals.clear:
+                sigma_t, sigma_whole = stretch_extinction(
+                    transfer.gradient_opacity, transfer.table_2d, medium.labels, medium, transfer,
+                    integrals, first, x, middle,
                 )  # fmt: skip
-                depth = sigma_t * (back - front)
-            x = y
+                depth, whole = sigma_t * (back - front), sigma_whole * (back - front)
         if depth > ZERO:
             filled |= 1 << layer
-            middle = at(o, d, block.thickness * (f32(layer) + HALF))
-            tint(
-                layers.tinted, medium, transfer, integrals, bleeding, layer, row, column, depth,
-                first, x, middle,
-            )  # fmt: skip
-            if eye and T > opaque:
-                visible = T
-                seen |= 1 << layer
-                layers.front[layer, row, column] = first
-                layers.back[layer, row, column] = x
-                T *= math.exp(-depth * oblique)
-        else:
-            untint(layers.tinted, layer, row, column)
+        dye(
+            layers.tinted, layers.mixed, medium, transfer, integrals, bleeding, layer, row, column,
+            depth, first, x, middle, more,
+        )  # fmt: skip
+        if more:
+            depth += layers.depth[layer, row, column]
+            if integrals.limited:
+                whole += layers.whole[layer, row, column]
         layers.depth[layer, row, column] = depth
-        layers.seen[layer, row, column] = visible
-    transmittance[row, column] = T
-    return filled, seen
+        if integrals.limited:
+            layers.whole[layer, row, column] = whole
+        layers.front[layer, row, column] = first
+        layers.back[layer, row, column] = x
+    return filled
 
 
 @device
-def clear_brick(layers, filled, visible, row_0, row_1, segment):
-    """Make what an earlier block left in a brick empty."""
-    first = segment * SEGMENT
-    last = min(first + SEGMENT, layers.depth.shape[2])
-    for layer in range(layers.depth.shape[0]):
-        for row in range(row_0, row_1):
-            if filled.flags[layer, row, segment]:
-                for column in range(first, last):
-                    layers.seen[layer, row, column] = ZERO
-                filled.flags[layer, row, segment] = False
-                visible.flags[layer, row, segment] = False
+def clear_planes(planes, layer, row, first, last):
+    """Make the pixels of a row empty for three colours, where there are any."""
+    if planes is None:
+        return
+    for c in range(3):
+        for column in range(first, last):
+            planes[c, layer, row, column] = ZERO
 
 
 @device
@@ -195,7 +197,7 @@ def find_runs(runs, columns, row_0, row_1):
             n = 0
             before = False
             for segment in range(runs.flags.shape[2]):
-                now = runs.flags[layer, row, segment]
+                now = runs.flags[layer, row, segment] > 0
                 if now:
                     if not before:
                         runs.start[layer, row, n] = segment * SEGMENT
@@ -206,55 +208,66 @@ def find_runs(runs, columns, row_0, row_1):
 
 
 @kernel
+def clear_rows(layers, filled, row_0, row_1):
+    """Make what an earlier block left in some rows empty: neighbours look at it."""
+    for layer in range(layers.depth.shape[0]):
+        for row in range(row_0, row_1):
+            for run in range(filled.count[layer, row]):
+                first, last = filled.start[layer, row, run], filled.end[layer, row, run]
+                for column in range(first, last):
+                    layers.depth[layer, row, column] = ZERO
+                    layers.whole[layer, row, column] = ZERO
+                clear_planes(layers.tinted, layer, row, first, last)
+                clear_planes(layers.mixed, layer, row, first, last)
+            for segment in range(filled.flags.shape[2]):
+                filled.flags[layer, row, segment] = 0
+
+
+@kernel
 def fill_rows(
-    medium, transfer, integrals, block, perspective, bleeding, layers, filled, visible,
-    transmittance, image, opaque, skip, row_0, row_1,
-):  # fmt: skip
+    medium, transfer, integrals, block, bleeding, layers, filled, more, skip, row_0, row_1
+):
     """Fill the layers of some rows. Returns the number of pixels times layers looked up.
 
-    `image` is (first column, first row, end column, end row) of what the eye sees; the layers may
-    reach beyond it. Rays whose transmittance is below `opaque` see no more. `skip`: whether bricks
-    of empty macrocells are passed over.
+    `more`: a further volume, added to what is there. `skip`: whether bricks of empty macrocells are
+    passed over.
     """
     count, _, columns = layers.depth.shape
     deep = block.thickness * f32(count)
     looked_up = 0
     for top in range(row_0, row_1, ROWS):
         bottom = min(top + ROWS, row_1)
-        for segment in range(filled.flags.shape[2]):
-            left = segment * SEGMENT
-            right = min(left + SEGMENT, columns)
+        for left in range(0, columns, BRICK):
             if skip and brick_is_empty(
-                medium, block, f32(left), f32(top), f32(right - left), f32(bottom - top), deep
+                medium, block, f32(left), f32(top), f32(BRICK), f32(bottom - top), deep
             ):
-                clear_brick(layers, filled, visible, top, bottom, segment)
                 continue
-            looked_up += count * (bottom - top) * (right - left)
+            looked_up += count * (bottom - top) * BRICK
             for row in range(top, bottom):
-                dense, seen = 0, 0
-                eye = image[1] <= row < image[3]
-                for column in range(left, right):
-                    a, b = fill_pixel(
-                        medium, transfer, integrals, block, perspective, bleeding, layers,
-                        transmittance, row, column, eye and image[0] <= column < image[2], opaque,
-                    )  # fmt: skip
-                    dense |= a
-                    seen |= b
+                dense = 0
+                for column in range(left, left + BRICK):
+                    dense |= fill_pixel(
+                        medium, transfer, integrals, block, bleeding, layers, row, column, more
+                    )
                 for layer in range(count):
-                    filled.flags[layer, row, segment] = (dense >> layer) & 1 == 1
-                    visible.flags[layer, row, segment] = (seen >> layer) & 1 == 1
+                    if (dense >> layer) & 1 == 1:
+                        filled.flags[layer, row, left // SEGMENT] = 2
         find_runs(filled, columns, top, bottom)
-        find_runs(visible, columns, top, bottom)
     return looked_up
 
 
 @kernel
-def number_runs(runs):
-    """Give every run its place in compact arrays. Returns their length."""
-    total = 0
+def list_runs(runs):
+    """List all runs and give each its place in compact arrays. Returns their length."""
+    total, n = 0, 0
     for layer in range(runs.count.shape[0]):
+        runs.first[layer] = n
         for row in range(runs.count.shape[1]):
             for i in range(runs.count[layer, row]):
-                runs.slot[layer, row, i] = total
-                total += runs.end[layer, row, i] - runs.start[layer, row, i]
+                start, end = runs.start[layer, row, i], runs.end[layer, row, i]
+                runs.listed[n, 0], runs.listed[n, 1], runs.listed[n, 2] = row, start, end
+                runs.slot[n] = total
+                total += end - start
+                n += 1
+    runs.first[runs.count.shape[0]] = n
     return total

@@ -15,17 +15,17 @@ ZERO, HALF, ONE, TWO = f32(0.0), f32(0.5), f32(1.0), f32(2.0)
 
 
 @kernel
-def blur_rows(source, target, width):
-    """Mean over a window of real width along every row, by running sums: any width costs the same.
+def blur_rows(source, target, width, row_0, row_1):
+    """Mean over a window of real width along some rows, by running sums: any width costs the same.
 
     A window of width w covers the pixel, whole pixels to both sides and a part of one more; its
     variance is close to (w^2 - 1) / 12. Nothing is missing beyond the ends.
     """
-    rows, columns = source.shape
+    columns = source.shape[1]
     reach = i32((width - ONE) * HALF)
     rest = (width - ONE) * HALF - f32(reach)
     scale = ONE / width
-    for row in range(rows):
+    for row in range(row_0, row_1):
         total = ZERO
         for i in range(min(reach, columns)):
             total += source[row, i]
@@ -39,57 +39,62 @@ def blur_rows(source, target, width):
 
 
 @kernel
-def blur_columns(source, target, running, width):
-    """The same along every column; `running` keeps the sums of all columns."""
-    rows, columns = source.shape
+def blur_columns(source, target, running, width, first, last):
+    """The same along some columns; `running` keeps the sums of all columns."""
+    rows = source.shape[0]
     reach = i32((width - ONE) * HALF)
     rest = (width - ONE) * HALF - f32(reach)
     scale = ONE / width
-    for i in range(columns):
-        running[i] = ZERO
+    for i in range(first, last):
+        running[index(i)] = ZERO
     for row in range(min(reach, rows)):
-        for i in range(columns):
-            running[i] += source[row, i]
+        for i in range(first, last):
+            running[index(i)] += source[row, index(i)]
     for row in range(rows):
         if row + reach < rows:
-            for i in range(columns):
-                running[i] += source[row + reach, i]
-        for i in range(columns):
-            target[row, i] = running[i] * scale
+            for i in range(first, last):
+                running[index(i)] += source[row + reach, index(i)]
+        for i in range(first, last):
+            target[row, index(i)] = running[index(i)] * scale
         if row - reach - 1 >= 0:
-            for i in range(columns):
-                target[row, i] += rest * scale * source[row - reach - 1, i]
+            for i in range(first, last):
+                target[row, index(i)] += rest * scale * source[row - reach - 1, index(i)]
         if row + reach + 1 < rows:
-            for i in range(columns):
-                target[row, i] += rest * scale * source[row + reach + 1, i]
+            for i in range(first, last):
+                target[row, index(i)] += rest * scale * source[row + reach + 1, index(i)]
         if row - reach >= 0:
-            for i in range(columns):
-                running[i] -= source[row - reach, i]
+            for i in range(first, last):
+                running[index(i)] -= source[row - reach, index(i)]
 
 
 @kernel
-def single_layer(perspective, kappa, missing, depth, tinted, filled, visible, layer, light):
-    """What the eye sees of the light in a layer, and the light behind it.
+def single_layers(
+    perspective, kappa, missing, depth, tinted, filled, visible, layers, light, row_0, row_1
+):
+    """What the eye sees of the light in layers `layers[0]` to `[1]`, and the light behind them.
 
     `kappa` is the optical depth of the cone's mean path over that of its axis: it gives the exact
     value of a half-space (HC-83).
     """
-    for row in range(missing.shape[0]):
-        for run in range(visible.count[layer, row]):
-            start = visible.start[layer, row, run]
-            slot = visible.slot[layer, row, run] - start
-            for column in range(start, visible.end[layer, row, run]):
-                oblique = eye_secant(perspective, row, column)
-                path = oblique * (
-                    depth[layer, row, index(column)] + kappa * tinted[layer, row, index(column)]
-                )
-                V = ONE - missing[row, index(column)]
-                light[index(slot + column)] = V * mean_transmitted(path)
-        for run in range(filled.count[layer, row]):
-            for column in range(filled.start[layer, row, run], filled.end[layer, row, run]):
-                oblique = eye_secant(perspective, row, column)
-                T = transmitted(kappa * oblique * tinted[layer, row, index(column)])
-                missing[row, index(column)] = ONE - (ONE - missing[row, index(column)]) * T
+    for layer in range(layers[0], layers[1]):
+        for run in range(visible.first[layer], visible.first[layer + 1]):
+            row, start, end = visible.listed[run, 0], visible.listed[run, 1], visible.listed[run, 2]
+            if row_0 <= row < row_1:
+                slot = visible.slot[run] - start
+                for column in range(start, end):
+                    oblique = eye_secant(perspective, row, column)
+                    path = oblique * (
+                        depth[layer, row, index(column)] + kappa * tinted[layer, row, index(column)]
+                    )
+                    V = ONE - missing[row, index(column)]
+                    light[index(slot + column)] = V * mean_transmitted(path)
+        for run in range(filled.first[layer], filled.first[layer + 1]):
+            row, start, end = filled.listed[run, 0], filled.listed[run, 1], filled.listed[run, 2]
+            if row_0 <= row < row_1:
+                for column in range(start, end):
+                    oblique = eye_secant(perspective, row, column)
+                    T = transmitted(kappa * oblique * tinted[layer, row, index(column)])
+                    missing[row, index(column)] = ONE - (ONE - missing[row, index(column)]) * T
 
 
 @device
@@ -110,16 +115,15 @@ def seen_light(missing, y, x):
 @kernel
 def published_read(missing, depth, visible, layer, light):
     """Eye pass as published: the light at the fragment's own place, alpha = 1 - exp(-sigma_t d)."""
-    for row in range(missing.shape[0]):
-        for run in range(visible.count[layer, row]):
-            start = visible.start[layer, row, run]
-            slot = visible.slot[layer, row, run] - start
-            for column in range(start, visible.end[layer, row, run]):
-                a = depth[layer, row, column]
-                alpha = -math.expm1(-a)
-                light[slot + column] = (ONE - missing[row, column]) * (
-                    alpha / a if a > f32(1e-6) else ONE
-                )
+    for run in range(visible.first[layer], visible.first[layer + 1]):
+        row, start, end = visible.listed[run, 0], visible.listed[run, 1], visible.listed[run, 2]
+        slot = visible.slot[run] - start
+        for column in range(start, end):
+            a = depth[layer, row, column]
+            alpha = -math.expm1(-a)
+            light[slot + column] = (ONE - missing[row, column]) * (
+                alpha / a if a > f32(1e-6) else ONE
+            )
 
 
 @kernel

@@ -2,18 +2,22 @@
 
 The one place where layers turn scalars into extinction and colour (Engel, Kraus and Ertl,
 "High-quality pre-integrated volume rendering", 2001): no slice is too thick for a detail of the
-transfer function, as long as the scalar goes evenly along it.
+transfer function, as long as the scalar goes evenly along it. Labels, masks and cuts follow the
+rules of `transfer` and `cut`, so that slices show what light transport shows.
 """
 
 import math
 
 import numpy as np
 
+from .cut import clip_interval, in_regions, outside_holes
 from .grid import trilinear
 from .jit import device
-from .transfer import classify, colour
+from .labels import label_row
+from .transfer import classify, colour, of_label
+from .vec import wide
 
-f32, i32, index = np.float32, np.int32, np.uintp
+f32, f64, i32, index = np.float32, np.float64, np.int32, np.uintp
 ZERO, HALF, ONE = f32(0.0), f32(0.5), f32(1.0)
 # Table position of a scalar that is not known: no data
 NOTHING = f32(-1.0)
@@ -23,80 +27,103 @@ NARROW = f32(0.02)
 
 @device
 def entry_at(medium, integrals, p):
-    """Table position, in entries, of the scalar at index position p."""
+    """Table position, in entries of a row, of the scalar at index position p."""
     scalar = trilinear(medium.values, p)
     if math.isnan(scalar):
         return NOTHING
-    last = f32(len(integrals.sigma_t) - 1)
-    return min(max((scalar - integrals.lowest) * integrals.per_scalar, ZERO), last)
+    return min(max((scalar - integrals.lowest) * integrals.per_scalar, ZERO), integrals.last)
 
 
 @device
-def sigma_at(integrals, x):
-    """Extinction at table position x; 0 where there is no data."""
+def clipped(clip, o, d, enter, leave):
+    """Part of a ray's interval inside all clip planes and balls."""
+    if clip is None:
+        return enter, leave
+    enter, leave = clip_interval(clip, wide(o), wide(d), f64(enter), f64(leave))
+    return f32(enter), f32(leave)
+
+
+@device
+def first_entry(labels, transfer, p):
+    """Where the row of the label at index position p starts."""
+    if labels is None:
+        return i32(0)
+    return i32(label_row(labels, p)) * transfer.entries
+
+
+@device
+def sigma_at(sigma_t, first, last, x):
+    """Extinction at table position x of a row; 0 where there is no data."""
     if x < ZERO:
         return ZERO
-    i = min(i32(x), i32(len(integrals.sigma_t) - 2))
-    a = integrals.sigma_t[index(i)]
-    return a + (integrals.sigma_t[index(i + i32(1))] - a) * (x - f32(i))
+    i = min(i32(x), i32(last) - i32(1))
+    a = sigma_t[index(first + i)]
+    return a + (sigma_t[index(first + i + i32(1))] - a) * (x - f32(i))
 
 
 @device
-def integral_at(integrals, x):
-    """Integral of the piecewise linear extinction from the first entry to position x."""
-    i = min(i32(max(x, ZERO)), i32(len(integrals.sigma_t) - 2))
+def integral_at(sigma_t, depth, first, last, x):
+    """Integral of the piecewise linear extinction up to position x of a row."""
+    i = min(i32(max(x, ZERO)), i32(last) - i32(1))
     f = x - f32(i)
-    a = integrals.sigma_t[index(i)]
-    slope = integrals.sigma_t[index(i + i32(1))] - a
-    return integrals.depth[index(i)] + f * (a + HALF * f * slope)
+    a = sigma_t[index(first + i)]
+    slope = sigma_t[index(first + i + i32(1))] - a
+    return depth[index(first + i)] + f * (a + HALF * f * slope)
 
 
 @device
-def mean_extinction(integrals, x, y, integral):
+def mean_extinction(sigma_t, depth, first, last, x, y):
     """Mean extinction along a stretch on which the table position goes evenly from x to y.
 
-    `integral` is the difference of `integral_at` between them. Half of an end's extinction where
-    the other is no data.
+    Half of an end's extinction where the other is no data.
     """
     if x < ZERO or y < ZERO or abs(y - x) < NARROW:
-        return HALF * (sigma_at(integrals, x) + sigma_at(integrals, y))
-    return max(f32(integral) / (y - x), ZERO)
+        return HALF * (sigma_at(sigma_t, first, last, x) + sigma_at(sigma_t, first, last, y))
+    step = integral_at(sigma_t, depth, first, last, y) - integral_at(sigma_t, depth, first, last, x)
+    return max(f32(step) / (y - x), ZERO)
 
 
 @device
-def stretch_extinction(gradient_opacity, table_2d, medium, transfer, integrals, x, y, before, p):
-    """Extinction of a short stretch of a ray. Returns (sigma_t, integral up to y).
+def stretch_extinction(gradient_opacity, table_2d, labels, medium, transfer, integrals, x, y, p):
+    """Extinction of a short stretch of a ray with middle p, as light meets it and as it is.
 
-    Pre-integrated where it depends on the scalar alone; with gradients, that of the middle p.
+    Pre-integrated where it depends on the scalar alone; with gradients, that of the middle. Labels,
+    holes and cropping regions are those of the middle.
     """
     if gradient_opacity is None:
         if table_2d is None:
-            integral = integral_at(integrals, y)
-            return mean_extinction(integrals, x, y, integral - before), integral
+            first = first_entry(labels, transfer, p)
+            there = in_regions(medium.regions, p, outside_holes(medium.holes, p, ONE))
+            i = integrals
+            light = there * mean_extinction(i.sigma_t, i.depth, first, i.last, x, y)
+            if not integrals.limited:
+                return light, light
+            return light, there * mean_extinction(i.whole, i.whole_depth, first, i.last, x, y)
     _, sigma_t = classify(gradient_opacity, table_2d, medium, transfer, p)
-    return sigma_t, before
+    return min(sigma_t, integrals.most), sigma_t
 
 
 @device
-def stretch_albedo(colour_grid, table_2d, medium, transfer, integrals, x, y, p):
+def stretch_albedo(colour_grid, table_2d, labels, medium, transfer, integrals, x, y, p):
     """Albedo of a stretch: weighted by extinction where it depends on the scalar alone."""
     if colour_grid is None:
         if table_2d is None:
-            return mean_albedo(integrals, x, y)
-    return colour(colour_grid, table_2d, medium, transfer, p, trilinear(medium.values, p))
+            return mean_albedo(integrals, first_entry(labels, transfer, p), x, y)
+    row = of_label(labels, transfer, p)
+    return colour(colour_grid, table_2d, medium, row, p, trilinear(medium.values, p))
 
 
 @device
-def mean_albedo(integrals, x, y):
-    """Albedo along a stretch from table position x to y, weighted by extinction."""
+def mean_albedo(integrals, first, x, y):
+    """Albedo along a stretch from table position x to y of a row, weighted by extinction."""
     x, y = max(min(x, y), ZERO), max(max(x, y), ZERO)
-    last = i32(len(integrals.sigma_t) - 1)
+    last = i32(integrals.last)
     i, j = min(i32(x), last - i32(1)), min(i32(y) + i32(1), last)
-    total = f32(integrals.depth[index(j)] - integrals.depth[index(i)])
+    a, b = index(first + i), index(first + j)
+    total = f32(integrals.depth[b] - integrals.depth[a])
     if j - i <= i32(2) or not total > ZERO:
-        c = index(i32(HALF * (x + y) + HALF))
+        c = index(first + i32(HALF * (x + y) + HALF))
         return integrals.colour[c, 0], integrals.colour[c, 1], integrals.colour[c, 2]
-    a, b = index(i), index(j)
     inverse = ONE / total
     return (
         f32(integrals.light[b, 0] - integrals.light[a, 0]) * inverse,

@@ -4,12 +4,16 @@ Importing it takes numba-cuda, of the extra `cuda`; `vtkmcvr.gpu` knows whether 
 scene and film to the device and decides how much a launch does.
 """
 
+from types import FunctionType
+
 from numba import cuda
 from numba.cuda import types
 from numba.cuda.core import config
 
+from .event import collide_more, layer_vertex
 from .jit import source_stamp
 from .sample import take_sample
+from .visibility import through_more
 
 # Threads of a block along columns and rows: a warp covers 8 x 4 pixels, whose paths are alike
 BLOCK = (8, 8)
@@ -48,12 +52,29 @@ def render_rows(film, scene, row_0, row_1, goal, cap, seed):
             take_sample(film, scene, row, column, sample, seed)
 
 
+def _unrolls(function):
+    """Have numba-cuda compile a function that loops over a tuple with its own `literal_unroll`.
+
+    It does not know that of Numba. What it compiles for a CPU function is kept where it looks for
+    it, under a name that it does not document.
+    """
+    plain = function.py_func
+    known = {**plain.__globals__, "literal_unroll": cuda.literal_unroll}
+    own = FunctionType(plain.__code__, known, plain.__name__, plain.__defaults__)
+    options = {**function.targetoptions, "device": True, "debug": False, "opt": True}
+    function._CUDATypingContext__dispatcher = CUDADispatcher(own, options)
+
+
 def _cached(dispatcher):
     """Keep machine code on disk, fresh while neither numba-cuda nor a kernel source has changed."""
-    if hasattr(dispatcher, "enable_caching"):
-        dispatcher.enable_caching()
-        index = dispatcher._cache._cache_file
-        index._version = f"{index._version} {source_stamp()}"
+    dispatcher.enable_caching()
+    index = dispatcher._cache._cache_file
+    index._version = f"{index._version} {source_stamp()}"
 
 
-_cached(render_rows)
+if not config.ENABLE_CUDASIM:
+    from numba.cuda.dispatcher import CUDADispatcher
+
+    for function in (collide_more, layer_vertex, through_more):
+        _unrolls(function)
+    _cached(render_rows)

@@ -36,6 +36,8 @@ def accumulate(film, row, column, L, hit, depth):
     film.count[row, column] = n
     if not (math.isfinite(L[0]) and math.isfinite(L[1]) and math.isfinite(L[2])):
         film.rejected[row, column] += 1
+        if L[0] == -math.inf or L[1] == -math.inf or L[2] == -math.inf:
+            film.violations[row, column] += 1
         L = (np.float32(0.0), np.float32(0.0), np.float32(0.0))
     weight = 1.0 / n
     for c in range(3):

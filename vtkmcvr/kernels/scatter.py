@@ -1,5 +1,6 @@
 """A scattering point of a path: what scatters there, by surface or by volume."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -13,6 +14,8 @@ from .transfer import colour, emitted, number_channel, of_label, rgb_channel
 from .vec import BLACK, add, narrow, scale, transform, wide
 
 f32 = np.float32
+INFINITE = f32(math.inf)
+SPOILT = (-INFINITE, -INFINITE, -INFINITE)
 
 
 class Vertex(NamedTuple):
@@ -61,6 +64,8 @@ def medium_vertex(
     gloss = gloss_at(gloss, transfer, transfer.specular, transfer.exponent, scalar)
     phase = phase_at(phase, transfer, transfer.phase, scalar)
     glow = emitted(transfer.emission, transfer, scalar, albedo)
+    # An extinction of inf marks a violated majorant, which has to spoil the sample
+    glow = SPOILT if sigma_t == INFINITE else glow
     return Vertex(x, p, wo, on_surface, normal, albedo, glow, gloss, phase), rng
 
 

@@ -18,6 +18,9 @@ from .vec import at
 f32, i32, index = np.float32, np.int32, np.uintp
 ONE, ZERO = f32(1.0), f32(0.0)
 ESCAPED = f32(-1.0)
+# What an extinction above its majorant turns into, so that the film can count it: no sum of
+# radiance is -inf otherwise
+VIOLATED = f32(-math.inf)
 
 
 @device
@@ -59,6 +62,9 @@ def walk(medium, transfer, o, d, length, ratio, rng):
     in one leap. The loop ends: every step moves on to another cell or past the end, and inside a
     cell each tentative collision moves on by an exponential step of mean 1/majorant, which the cap
     on extinction keeps above the float32 resolution of t.
+
+    An extinction above its majorant would bias the result; it comes back as a sigma_t of inf and as
+    T = VIOLATED, and spoils the sample (HC-04).
     """
     majorant = medium.majorant
     nz, ny, nx = majorant.shape
@@ -100,10 +106,14 @@ def walk(medium, transfer, o, d, length, ratio, rng):
             if ratio is None:
                 rng, u = uniform(rng)
                 if u * sigma_maj < sigma_t:
+                    if sigma_t > sigma_maj:
+                        return t, scalar, -VIOLATED, VIOLATED, rng
                     return t, scalar, sigma_t, ZERO, rng
             else:
                 T *= ONE - sigma_t / sigma_maj
                 if T < ratio.roulette:
+                    if sigma_t > sigma_maj:
+                        return ESCAPED, ZERO, ZERO, VIOLATED, rng
                     rng, u = uniform(rng)
                     if u * ratio.roulette >= T:
                         return ESCAPED, ZERO, ZERO, ZERO, rng

@@ -12,6 +12,7 @@ PI = f32(math.pi)
 TWO_PI = f32(2.0 * math.pi)
 QUARTER_PI, HALF_PI = f32(math.pi / 4.0), f32(math.pi / 2.0)
 INVERSE_PI = f32(1.0 / math.pi)
+LEAST = f32(1e-8)
 INVERSE_4PI = f32(0.25 / math.pi)
 
 
@@ -40,6 +41,10 @@ def uniform_sphere(u, v):
 
 @device
 def cosine_hemisphere(u, v):
-    """Direction around +z with density cos(theta)/pi (Malley's method)."""
+    """Direction around +z with density cos(theta)/pi (Malley's method).
+
+    Its cosine is at least 1e-4, which one in 10^8 would be below: rounding must not carry the
+    direction under the surface, where its light would be lost.
+    """
     a, b = concentric_disk(u, v)
-    return (a, b, math.sqrt(max(ZERO, ONE - a * a - b * b)))
+    return (a, b, math.sqrt(max(LEAST, ONE - a * a - b * b)))

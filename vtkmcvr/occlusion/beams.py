@@ -22,6 +22,8 @@ STEEPEST = 8.0
 WIDEST = math.radians(86.0)
 # Depths, farthest over nearest, over which directions are spread; nearer ones get fewer
 MOST_RATIO = 16.0
+# Cone, radians, that is a single direction; directions in the narrowest one of several
+NARROWEST, FEW = 1e-3, 6.0
 # Pixels that a beam may move sideways at a time
 STRIDE = 1.5
 
@@ -44,11 +46,6 @@ class Beams:
 
     def __len__(self) -> int:
         return len(self.weight)
-
-    def beam(self, index: int) -> packed.Beam:
-        """One direction, for kernels."""
-        x, y = self.sideways[index]
-        return packed.Beam(f32(x), f32(y), f32(self.weight[index]))
 
     def routes(self, raster: Raster) -> list[Route]:
         """How the raster of each beam moves from layer to layer."""
@@ -128,6 +125,12 @@ def _perspective_beams(
     From depth z a point at distance m from the eye lies at tangent m / z to the view ray. The
     radial density is the mean of those that would be even in solid angle at several depths.
     """
+    if half_angle < NARROWEST and axis is None:
+        # The eye itself
+        cone = packed.Cone(vector(np.array((0.0, 0.0, 1.0))), np.bool_(True), f32(-2.0), f32(1.0))
+        return Beams(cone, np.zeros((1, 2)), np.ones(1))
+    if axis is not None:
+        half_angle = max(half_angle, narrowest_cone(raster, count, axis))
     opening = 1 - math.cos(half_angle)
     edge = opening * min(0.5, 2 / math.sqrt(count))
     wide = raster.obliqueness
@@ -147,6 +150,17 @@ def _perspective_beams(
         f32(1 / max(edge, 1e-7)),
     )  # fmt: skip
     return Beams(cone, sideways, density.max() / density)
+
+
+def narrowest_cone(raster: Raster, count: int, axis: tuple[float, float, float]) -> float:
+    """Half angle, radians, at which a cone around a fixed axis still holds a few directions.
+
+    In a perspective view the directions are spread over all that the cone is for any pixel.
+    """
+    if raster.parallel:
+        return 0.0
+    widest = min(math.atan(raster.obliqueness) + math.acos(min(axis[2], 1.0)), WIDEST)
+    return math.acos(1 - min(FEW / count, 1.0) * (1 - math.cos(widest)))
 
 
 def _radial(tangent: float, depths: NDArray, count: int) -> tuple[NDArray, NDArray]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,9 +10,21 @@ from numpy.typing import NDArray
 
 from .. import packed
 from ..pack import f32
+from ..plan import Plan
 
 # Transmittance below which the eye sees no more: what is left out of a picture
 OPAQUE = 1e-5
+
+
+@dataclass(frozen=True, eq=False)
+class Filled:
+    """One volume, with the map from the world around the first one's centre into its indices."""
+
+    medium: packed.Medium
+    transfer: packed.Transfer
+    integrals: packed.Integrals
+    index_from_world: NDArray[np.float64]
+    index_of_centre: NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,9 +33,8 @@ class Filling:
 
     Attributes
     ----------
-    medium : packed.Medium
-    transfer : packed.Transfer
-    integrals : packed.Integrals
+    volumes : tuple of Filled
+        Their extinctions add.
     bleeding : float, optional
         Share of the scattered light that goes on, by colour; None: light has no colour.
     opaque : float
@@ -31,23 +43,54 @@ class Filling:
         Whether empty space is passed over.
     """
 
-    medium: packed.Medium
-    transfer: packed.Transfer
-    integrals: packed.Integrals
+    volumes: tuple[Filled, ...]
     bleeding: float | None = None
     opaque: float = OPAQUE
     skip: bool = True
 
+    @property
+    def limited(self) -> bool:
+        """Whether light meets less extinction than there is."""
+        return any(bool(v.integrals.limited) for v in self.volumes)
 
-def integrals_of(transfer: packed.Transfer) -> packed.Integrals:
+
+def volumes_of(planned: Plan, most: float = math.inf) -> tuple[Filled, ...]:
+    """All volumes of a plan.
+
+    Parameters
+    ----------
+    planned : Plan
+    most : float
+        Largest extinction that light meets, 1/world unit.
+    """
+    scene = planned.packed
+    camera = scene.camera
+    first = (scene.medium, scene.transfer, camera.index_from_world, camera.index_of_centre)
+    others = (
+        (v.medium, v.transfer, v.index_from_world, v.index_of_centre) for v in scene.more or ()
+    )
+    parts = (first, *others)
+    limited = any(float(transfer.sigma_t.max()) > most for _, transfer, _, _ in parts)
+    return tuple(
+        Filled(medium, transfer, integrals_of(transfer, most, limited), np.array(m), np.array(c))
+        for medium, transfer, m, c in parts
+    )
+
+
+def integrals_of(
+    transfer: packed.Transfer, most: float = math.inf, limited: bool = False
+) -> packed.Integrals:
     """Running integrals of extinction and coloured extinction over the tables' entries."""
-    sigma_t = transfer.sigma_t.astype(np.float64)
+    whole = transfer.sigma_t.astype(np.float64)
+    sigma_t = np.minimum(whole, most)
     lit = sigma_t[:, None] * transfer.colour
-    filled = np.flatnonzero(sigma_t)
-    clear = (filled[0] - 1 if len(filled) else len(sigma_t)) + 0.0
+    entries = int(transfer.entries)
+    filled = np.flatnonzero(sigma_t.reshape(-1, entries).any(axis=0))
+    clear = (filled[0] - 1 if len(filled) else entries) + 0.0
     return packed.Integrals(
-        transfer.sigma_t, _running(sigma_t), _running(lit), transfer.colour, f32(clear),
-        transfer.lowest, transfer.per_scalar,
+        sigma_t.astype(f32), _running(sigma_t), transfer.sigma_t, _running(whole), _running(lit),
+        transfer.colour, f32(clear), f32(entries - 1), transfer.lowest, transfer.per_scalar,
+        f32(min(most, 1e30)), np.bool_(limited),
     )  # fmt: skip
 
 

@@ -10,10 +10,9 @@ from typing import Any, NoReturn
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import __version__, picture_files
+from .. import picture_files
 from ..picture import check_suffix
 from ..plan import Plan
-from ..recipe import FORMAT
 from ..screen import Display, shown
 from .settings import Occlusion
 from .sweep import Work
@@ -26,7 +25,8 @@ class OcclusionPicture:
     Attributes
     ----------
     planes : dict of arrays
-        "radiance", "alpha", "depth" and, if asked for, "normal", as the properties give them.
+        "radiance", "alpha", "depth" and, if asked for, "albedo" and "normal", as the properties
+        give them.
     plan : Plan
         Effects with reasons, and the scene.
     settings : Occlusion
@@ -56,7 +56,6 @@ class OcclusionPicture:
 
     # Biased and deterministic: there is no standard error to give, and no noise to reduce
     standard_error = None
-    albedo = None
     denoiser = None
     nrms = float("inf")
     biased = True
@@ -78,6 +77,11 @@ class OcclusionPicture:
         return self.planes["depth"]
 
     @property
+    def albedo(self) -> NDArray[np.float32] | None:
+        """Mean albedo of what is seen, (H, W, 3), times alpha; None: not asked for."""
+        return self.planes.get("albedo")
+
+    @property
     def normal(self) -> NDArray[np.float32] | None:
         """Mean world normal toward the viewer, (H, W, 3), times alpha; None: not asked for."""
         return self.planes.get("normal")
@@ -87,6 +91,11 @@ class OcclusionPicture:
         """(width, height)."""
         height, width = self.alpha.shape
         return width, height
+
+    @property
+    def rejected_samples(self) -> int:
+        """Pixels that are not finite; 0 unless something is wrong."""
+        return int(self.radiance.size // 3 - np.isfinite(self.radiance).all(axis=-1).sum())
 
     @property
     def rgba(self) -> NDArray[np.uint8]:
@@ -119,6 +128,7 @@ class OcclusionPicture:
             "seconds": self.seconds,
             "nrms": None,
             "stopped_by": self.stopped_by,
+            "rejected_samples": self.rejected_samples,
             "fragments": self.work.naive,
             "fragments_looked_up": self.work.looked_up,
             "fragments_seen": self.work.seen,
@@ -154,15 +164,20 @@ class OcclusionPicture:
         return target
 
     def _recipe(self) -> dict[str, Any]:
-        """What the front door noted, and what came out."""
+        """What the front door noted, what came out, and what `vtkmcvr.replay` reads."""
+        from .recipe import replay_part
+
         return {
             **self.recipe,
             "technique": "occlusion",
             "occlusion": asdict(self.settings),
             "exposure": self.display.exposure,
             "background": self.display.background,
-            "measured": {"seconds": self.seconds, "nrms": None, "stopped_by": self.stopped_by},
-            "replay": {"format": FORMAT, "version": __version__},
+            "measured": {
+                "seconds": self.seconds, "nrms": None, "stopped_by": self.stopped_by,
+                "rejected_samples": self.rejected_samples,
+            },
+            "replay": replay_part(self.plan.scene, self.settings, self.display, self.planes),
         }
 
     def __str__(self) -> str:

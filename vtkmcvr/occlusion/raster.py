@@ -9,13 +9,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import packed
+from ..kernels.cone_layers import SEGMENT
 from ..pack import f32, vector
 from ..plan import Plan
+from .medium import Filled
 
 # Occluders are looked for this far beside the film, in shares of its longer side
 MARGIN = 0.5
-# Depth of the first plane for an eye inside the volume, in layers
+# Depth of the first plane for an eye inside the volume, in layers; rays of a parallel view do not
+# meet in an eye
 NEAREST = 0.25
+# Tangent of view rays over which secants go evenly, with errors of an eighth of its square
+STRAIGHT = 0.06
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,7 +32,7 @@ class Raster:
     camera : packed.Camera
     left, top, columns, rows : int
         Rectangle of pixels that is worked on, in film pixels; may reach beyond the film or cover
-        a part of it.
+        a part of it. A whole number of segments wide.
     near, thickness : float
         Depth of the first plane from the eye along the view axis, and of a layer, world units.
     count : int
@@ -61,6 +66,11 @@ class Raster:
         return self.near + self.count * self.thickness
 
     @property
+    def pixel(self) -> float:
+        """Size of a pixel half way through, world units."""
+        return self.pitch if self.parallel else self.pitch * (self.near + self.far) / 2
+
+    @property
     def obliqueness(self) -> float:
         """Largest tangent between a view ray and the view axis."""
         if self.parallel:
@@ -77,13 +87,15 @@ class Raster:
         """What makes rays oblique, for kernels."""
         if self.parallel:
             return None
+        span = int(np.clip(STRAIGHT / (self.pitch * SEGMENT), 1, 16)) * SEGMENT
         return packed.Perspective(
-            f32(self.eye_column - self.left), f32(self.eye_row - self.top), f32(self.pitch)
-        )
+            f32(self.eye_column - self.left), f32(self.eye_row - self.top), f32(self.pitch),
+            np.int64(span),
+        )  # fmt: skip
 
-    def block(self, first: int) -> packed.LayerBlock:
-        """Positions from layer `first` on, for kernels; computed in float64."""
-        m, centre = np.array(self.camera.index_from_world), np.array(self.camera.index_of_centre)
+    def block(self, first: int, volume: Filled) -> packed.LayerBlock:
+        """Positions in a volume from layer `first` on, for kernels; computed in float64."""
+        m, centre = volume.index_from_world, volume.index_of_centre
         z = self.near + first * self.thickness
         o, ox, oy, d, dx, dy = (m @ np.array(v) for v in self.camera[:6])
         start = o + self.left * ox + self.top * oy
@@ -121,11 +133,13 @@ def raster_of(plan: Plan, layer: float, margin: float = MARGIN) -> Raster:
     right, up, forward = plan.scene.camera.frame
     axes = np.array([right, -up, forward])
     pitch = float(np.linalg.norm(camera.origin_x if parallel else camera.direction_x))
-    points = (_box(plan) - np.array(camera.origin)) @ axes.T
+    if plan.empty:
+        return _nothing(plan, parallel, pitch, layer)
+    points = (plan.corners - plan.scene.volume.centre - np.array(camera.origin)) @ axes.T
     heading = axes @ np.array(camera.direction)
     depth = points[:, 2]
-    near = max(float(depth.min()), NEAREST * layer)
-    count = 0 if plan.empty else max(0, math.ceil((float(depth.max()) - near) / layer))
+    near = max(float(depth.min()), 0.0 if parallel else NEAREST * layer)
+    count = max(0, math.ceil((float(depth.max()) - near) / layer))
     if parallel:
         film = (points - depth[:, None] * heading)[:, :2] / pitch
         eye = np.zeros(2)
@@ -138,6 +152,7 @@ def raster_of(plan: Plan, layer: float, margin: float = MARGIN) -> Raster:
         lo, hi = np.maximum(lo, film.min(0)), np.minimum(hi, film.max(0))
     left, top = (math.floor(v) for v in lo)
     columns, rows = (max(math.ceil(b) - math.floor(a), 0) for a, b in zip(lo, hi, strict=True))
+    columns = -(-columns // SEGMENT) * SEGMENT
     return Raster(
         camera, left, top, columns, rows, near, layer, count if columns and rows else 0,
         pitch, parallel, float(eye[0]), float(eye[1]),
@@ -145,10 +160,8 @@ def raster_of(plan: Plan, layer: float, margin: float = MARGIN) -> Raster:
     )  # fmt: skip
 
 
-def _box(plan: Plan) -> NDArray[np.float64]:
-    """Corners of the box around all medium, world orientation, relative to the volume's centre."""
-    medium, volume = plan.packed.medium, plan.scene.volume
-    lo, hi = np.array(medium.active_lo, np.float64), np.array(medium.active_hi, np.float64)
-    index = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
-    index = np.where(index > 0, hi, lo) - (np.array(volume.shape) - 1) / 2
-    return index @ volume.index_to_world[:3, :3].T
+def _nothing(plan: Plan, parallel: bool, pitch: float, layer: float) -> Raster:
+    """Raster of a scene without any medium."""
+    return Raster(
+        plan.packed.camera, 0, 0, 0, 0, layer, layer, 0, pitch, parallel, 0.0, 0.0, plan.scene.size
+    )

@@ -15,27 +15,29 @@ from ..material import Surface
 from ..pack import f32, vector
 from ..phases import Isotropic
 from ..plan import Plan, plan
-from ..scene import Scene
+from ..scene import Scene, Volume
 from ..schedule import Progress, default_threads
 from ..screen import Display
 from .ambient import ambient_radiance
 from .beams import beams_of
-from .explain import effects_of
-from .medium import OPAQUE, Filling, integrals_of
+from .explain import effects_of, most_extinction
+from .medium import OPAQUE, Filling, volumes_of
 from .picture import OcclusionPicture
-from .raster import Raster, raster_of
+from .raster import MARGIN, Raster, raster_of
 from .resolve import resolve
-from .settings import Occlusion
+from .settings import MOST_SLICES, Occlusion
 from .single import Blurred, Published
 from .sweep import Light, Sweep
 from .traced import Traced
 
 # At detail 1: size of the raster's pixels and thickness of slices, in voxels
-PIXEL, LAYER = 0.75, 0.55
-# Parts of a scene that slices do not know
-UNKNOWN = ("clip", "crop", "labels", "receivers", "layers")
+PIXEL, LAYER = 0.75, 0.4
+# Voxels across the view below which a volume is small: there detail is up to `SMALLEST` times finer
+SMALL, SMALLEST = 160, 0.6
 # Pixels of a refined raster
 MOST_PIXELS, MOST_FINE = 2**23, 8
+# Pixels of a raster with its margin, of small films
+FEWEST_LIMIT = 2**21
 
 
 def render_occlusion(
@@ -53,8 +55,8 @@ def render_occlusion(
     Parameters
     ----------
     scene : Scene
-        Volume, transfer function, camera, film, normals among `aovs`; of its lights only how much
-        they give.
+        Volumes, transfer functions, cuts, masks, labels, camera, film, `aovs`; of its lights only
+        how much they give.
     occlusion : Occlusion, optional
     threads : int, optional
         >= 1; changes no bit. Default: all CPUs that the process may use.
@@ -71,23 +73,19 @@ def render_occlusion(
     Raises
     ------
     ValueError
-        For a panorama or two eyes on one film, which have no view axis; for cuts, masks, labels,
-        receivers and further volumes, which slices do not know.
+        For a panorama or two eyes on one film, which have no view axis; for receivers, which slices
+        do not know; for normals and shaded surfaces of several volumes.
     """
     occlusion = occlusion or Occlusion()
     threads = default_threads() if threads is None else checks.whole("threads", threads, least=1)
     _check_camera(scene)
-    _check_parts(scene)
+    _check_parts(scene, occlusion)
     begin = perf_counter()
     planned, raster, fine = layout(scene, occlusion)
     width, height = planned.scene.size
-    film = packed.OcclusionFilm(
-        np.zeros((height, width, 3), f32), np.zeros((height, width), f32),
-        np.zeros((height, width), f32),
-        np.zeros((height, width, 3), f32) if "normal" in scene.aovs else None,
-    )  # fmt: skip
+    film = _film((height, width), scene.aovs)
     sweep = Sweep(
-        raster, _filling(planned, occlusion), _light(scene, raster, occlusion),
+        raster, _filling(planned, occlusion, raster), _light(scene, raster, occlusion),
         _shade(scene, planned, occlusion), film,
     )  # fmt: skip
 
@@ -99,7 +97,7 @@ def render_occlusion(
     radiance = ambient_radiance(scene) if occlusion.radiance is None else occlusion.radiance
     film.radiance[:] *= np.asarray(radiance, f32)
     planes = resolve(film, fine, scene.pixel_filter)
-    effects, notes = effects_of(scene, planned, occlusion, raster, fine)
+    effects, notes = effects_of(scene, planned, occlusion, raster, fine, _axis(scene, occlusion))
     return OcclusionPicture(
         planes, replace(planned, scene=scene, effects=effects, notes=notes), occlusion,
         display or Display(), perf_counter() - begin, "end" if ended else "user", threads,
@@ -117,16 +115,27 @@ def _check_camera(scene: Scene) -> None:
         )
 
 
-def _check_parts(scene: Scene) -> None:
+def _check_parts(scene: Scene, occlusion: Occlusion) -> None:
     """Refuse what slices would leave out in silence."""
-    there = [name for name in UNKNOWN if getattr(scene, name) not in (None, ())]
-    if scene.mask is not None:
-        there.append("mask")
-    if there:
+    if scene.receivers:
         raise ValueError(
-            f"technique occlusion does not know {', '.join(there)} yet: leave them out, or use "
-            "technique monte-carlo"
+            "technique occlusion does not know receivers: leave them out, or use technique "
+            "monte-carlo"
         )
+    if scene.layers and (occlusion.shaded or "normal" in scene.aovs):
+        raise ValueError(
+            "technique occlusion knows the gradients of one volume only: leave out shaded=True "
+            "and the aov normal, or the further volumes"
+        )
+
+
+def _film(shape: tuple[int, int], aovs: tuple[str, ...]) -> packed.OcclusionFilm:
+    colour = (*shape, 3)
+    return packed.OcclusionFilm(
+        np.zeros(colour, f32), np.zeros(shape, f32), np.zeros(shape, f32), np.zeros(shape, f32),
+        np.zeros(colour, f32) if "albedo" in aovs else None,
+        np.zeros(colour, f32) if "normal" in aovs else None,
+    )  # fmt: skip
 
 
 def layout(scene: Scene, occlusion: Occlusion) -> tuple[Plan, Raster, int]:
@@ -135,41 +144,62 @@ def layout(scene: Scene, occlusion: Occlusion) -> tuple[Plan, Raster, int]:
     surface = scene.surface if occlusion.shaded else None
     if surface is None and (occlusion.shaded or "normal" in scene.aovs):
         surface = Surface(mode="brdf", specular=0.0)
-    bare = replace(scene, camera=camera, lights=(), surface=surface, phase=Isotropic(), **PLAIN)
+    others = tuple(replace(layer, surface=None) for layer in scene.layers)
+    bare = replace(
+        scene, camera=camera, lights=(), surface=surface, phase=Isotropic(), layers=others, **PLAIN
+    )
     planned = plan(bare)
-    spacing = scene.volume.spacing
-    voxel = min(float(np.prod(spacing)) ** (1 / 3), 2 * float(spacing.min()))
-    layer = LAYER * voxel / occlusion.detail
-    raster = raster_of(planned, layer)
+    voxel = min(_voxel(volume) for volume in (scene.volume, *(v.volume for v in scene.layers)))
+    raster = _fitting(planned, LAYER * voxel)
+    across = (raster.far - raster.near) / voxel
+    grain = voxel * float(np.clip(across / SMALL, SMALLEST, 1)) / occlusion.detail
+    layer = LAYER * grain
     if occlusion.slices is not None and raster.count:
         layer = (raster.far - raster.near) / occlusion.slices
-    fine = _refinement(scene, raster, voxel / occlusion.detail)
+    elif raster.count and (raster.far - raster.near) / layer > MOST_SLICES:
+        # Voxels thousands of times longer than they are thick, seen along their long side
+        layer = (raster.far - raster.near) / MOST_SLICES
+    fine = _refinement(scene, raster, grain)
     if occlusion.mode == "paper":
         fine = 1
     if fine > 1:
         width, height = scene.size
         planned = plan(replace(bare, size=(width * fine, height * fine)))
-    return planned, raster_of(planned, layer), fine
+    return planned, _fitting(planned, layer), fine
+
+
+def _fitting(planned: Plan, layer: float) -> Raster:
+    """Raster with as wide a margin as fits: beside a film of 10 000 x 1 pixels that is little."""
+    width, height = planned.scene.size
+    most = max(FEWEST_LIMIT, 4 * width * height)
+    margin = MARGIN
+    raster = raster_of(planned, layer, margin)
+    while raster.columns * raster.rows > most:
+        margin /= 2
+        raster = raster_of(planned, layer, margin)
+    return raster
+
+
+def _voxel(volume: Volume) -> float:
+    """Size of detail in a volume, world units."""
+    return min(float(np.prod(volume.spacing)) ** (1 / 3), 2 * float(volume.spacing.min()))
 
 
 # Parts of a scene that only Monte Carlo has
 PLAIN: dict[str, Any] = {"scattering": "single", "max_scatterings": None, "aovs": ()}
 
 
-def _refinement(scene: Scene, raster: Raster, voxel: float) -> int:
+def _refinement(scene: Scene, raster: Raster, grain: float) -> int:
     """How many times finer than the film's the raster's pixels are."""
-    pixel = raster.pitch
-    if not raster.parallel:
-        pixel *= (raster.near + raster.far) / 2
     width, height = scene.size
     most = max(1, math.isqrt(MOST_PIXELS // (width * height)))
-    return int(np.clip(math.ceil(pixel / (PIXEL * voxel) - 0.1), 1, min(most, MOST_FINE)))
+    return int(np.clip(math.ceil(raster.pixel / (PIXEL * grain) - 0.1), 1, min(most, MOST_FINE)))
 
 
-def _filling(planned: Plan, occlusion: Occlusion) -> Filling:
-    transfer = planned.packed.transfer
+def _filling(planned: Plan, occlusion: Occlusion, raster: Raster) -> Filling:
+    most = most_extinction(raster) if occlusion.mode == "default" else math.inf
     return Filling(
-        planned.packed.medium, transfer, integrals_of(transfer), occlusion.bleeding or None,
+        volumes_of(planned, most), occlusion.bleeding or None,
         OPAQUE if occlusion.skip else 0.0, occlusion.skip,
     )  # fmt: skip
 

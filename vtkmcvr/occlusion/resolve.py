@@ -20,15 +20,19 @@ def resolve(film: packed.OcclusionFilm, fine: int, pixel_filter: PixelFilter) ->
     pixel_filter : PixelFilter
     """
     weights = _weights(fine, pixel_filter)
-    radiance, alpha, depth = (_filtered(a, fine, weights) for a in film[:3])
+    # Light is weighed by the opacity that it meets, and stands for the opacity that there is
+    whole = np.where(film.share > 0, film.alpha / np.where(film.share > 0, film.share, 1), 0)
+    radiance = _filtered(film.radiance * whole[..., None], fine, weights)
+    alpha, depth = (_filtered(a, fine, weights) for a in (film.alpha, film.depth))
     seen = alpha > 0
     arrays = {
         "radiance": radiance,
         "alpha": alpha,
         "depth": np.where(seen, depth / np.where(seen, alpha, 1), np.inf).astype(np.float32),
     }
-    if film.normal is not None:
-        arrays["normal"] = _filtered(film.normal, fine, weights)
+    for name, vectors in (("albedo", film.albedo), ("normal", film.normal)):
+        if vectors is not None:
+            arrays[name] = _filtered(vectors * whole[..., None], fine, weights)
     return arrays
 
 

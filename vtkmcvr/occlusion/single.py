@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from concurrent.futures import ThreadPoolExecutor
 
@@ -13,7 +14,7 @@ from ..kernels.cone_single import (
     blur_rows,
     published_read,
     published_update,
-    single_layer,
+    single_layers,
 )
 from ..pack import f32
 from .raster import Raster
@@ -29,6 +30,10 @@ def half_space_value(half_angle: float) -> float:
     if width < 1e-6:
         return 0.5 - width / 8
     return 1 + math.log1p(-width / 2) / width
+
+
+# Layers wait until the blur between them has this variance, pixels squared
+BLUR = 4.0
 
 
 def mean_path(half_angle: float) -> float:
@@ -55,6 +60,7 @@ class Blurred:
     """
 
     groups = 1
+    tiers = relief = False
 
     def __init__(self, raster: Raster, half_angle: float, reach: float, colours: int):
         self.raster, self.colours = raster, colours
@@ -62,36 +68,71 @@ class Blurred:
         # Half of the cone's solid angle lies within this tangent
         middle = math.acos((1 + math.cos(half_angle)) / 2)
         self.variance = math.tan(middle) ** 2 / 2 * reach * raster.thickness
+        self.pending = 0.0
         self.missing = np.zeros((colours, raster.rows, raster.columns), f32)
-        self.other = np.zeros((raster.rows, raster.columns), f32)
-        self.running = np.zeros(raster.columns, f32)
+        self.other = np.zeros_like(self.missing)
+        self.running = np.zeros((colours, raster.columns), f32)
 
     def through(
         self, block: Block, sums: NDArray, weights: NDArray, pool: ThreadPoolExecutor
     ) -> None:
         """Take the light through a block of layers."""
         weights[:] = 1
-        layers = block.layers
+        first = 0
         for index in range(block.size):
-            width = self.width(block.start + index)
+            self.pending += self.variance_at(block.start + index)
+            last = index == block.size - 1
+            if self.pending >= BLUR or last:
+                self._attenuate(block, first, index + 1, sums, pool)
+                first = index + 1
+            if self.pending >= BLUR:
+                self._blur(pool)
+
+    def _attenuate(
+        self, block: Block, first: int, last: int, sums: NDArray, pool: ThreadPoolExecutor
+    ) -> None:
+        """Take the light through some layers, straight on."""
+        layers = block.layers
+
+        def strip(rows: tuple[int, int]) -> None:
             for c in range(self.colours):
-                single_layer(
+                single_layers(
                     self.raster.perspective, f32(self.kappa), self.missing[c], layers.depth,
                     layers.depth if layers.tinted is None else layers.tinted[c], block.filled,
-                    block.visible, index, sums[0, c],
+                    block.visible, (first, last), sums[0, c], *rows,
                 )  # fmt: skip
-                if width > 1:
-                    blur_rows(self.missing[c], self.other, f32(width))
-                    blur_columns(self.other, self.missing[c], self.running, f32(width))
 
-    def width(self, number: int) -> float:
-        """Width of the window, pixels, that has the blur's variance at a layer."""
+        list(pool.map(strip, _strips(self.raster.rows)))
+
+    def _blur(self, pool: ThreadPoolExecutor) -> None:
+        """Blur by what is pending: a window of the same variance along rows, then columns."""
+        width = f32(min(math.sqrt(1 + 12 * self.pending), 2.0 * max(self.missing.shape[1:])))
+        self.pending = 0.0
+
+        def rows(strip: tuple[int, int]) -> None:
+            for c in range(self.colours):
+                blur_rows(self.missing[c], self.other[c], width, *strip)
+
+        def columns(strip: tuple[int, int]) -> None:
+            for c in range(self.colours):
+                blur_columns(self.other[c], self.missing[c], self.running[c], width, *strip)
+
+        list(pool.map(rows, _strips(self.raster.rows)))
+        list(pool.map(columns, _strips(self.raster.columns)))
+
+    def variance_at(self, number: int) -> float:
+        """Variance of the blur behind a layer, pixels squared."""
         raster = self.raster
         pitch = raster.pitch
         if not raster.parallel:
             pitch *= raster.near + (number + 1) * raster.thickness
-        width = math.sqrt(1 + 12 * self.variance / pitch**2)
-        return min(width, 2.0 * max(raster.rows, raster.columns))
+        return self.variance / pitch**2
+
+
+def _strips(length: int, count: int = 4) -> list[tuple[int, int]]:
+    """Parts of rows or columns."""
+    edges = np.linspace(0, length, count + 1).astype(int).tolist()
+    return list(itertools.pairwise(edges))
 
 
 class Published:
@@ -109,6 +150,7 @@ class Published:
     """
 
     groups = colours = 1
+    tiers = relief = False
 
     def __init__(self, raster: Raster, half_angle: float, grid: int, exact: bool):
         self.raster, self.exact = raster, exact
@@ -126,7 +168,6 @@ class Published:
         """Take the light through a block of layers, one by one."""
         weights[:] = 1
         raster = self.raster
-        rows = np.linspace(0, raster.rows, 9).astype(int)
         for index in range(block.size):
             published_read(self.missing, block.layers.depth, block.visible, index, sums[0, 0])
             pitch = raster.pitch
@@ -134,11 +175,13 @@ class Published:
                 pitch *= raster.near + (block.start + index) * raster.thickness
             points = np.ascontiguousarray(self.points * (raster.thickness / pitch), f32)
 
-            def update(strip: int, index: int = index, points: NDArray = points) -> None:
+            def update(
+                strip: tuple[int, int], index: int = index, points: NDArray = points
+            ) -> None:
                 published_update(
                     self.missing, self.other, block.layers.depth, index, points, self.secants,
-                    self.exact, rows[strip], rows[strip + 1],
+                    self.exact, *strip,
                 )  # fmt: skip
 
-            list(pool.map(update, range(8)))
+            list(pool.map(update, _strips(raster.rows)))
             self.missing, self.other = self.other, self.missing

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field
@@ -13,7 +14,8 @@ from numpy.typing import NDArray
 
 from .. import packed
 from ..kernels.cone_compose import compose_rows
-from ..kernels.cone_layers import ROWS, SEGMENT, fill_rows, number_runs
+from ..kernels.cone_eye import look_rows
+from ..kernels.cone_layers import ROWS, SEGMENT, clear_rows, fill_rows, list_runs
 from ..pack import f32
 from .medium import Filling
 from .raster import Raster
@@ -49,24 +51,29 @@ class Block(NamedTuple):
 
     start: int
     size: int
-    place: packed.LayerBlock
+    places: tuple[packed.LayerBlock, ...]
     layers: packed.Layers
     filled: packed.Runs
     visible: packed.Runs
 
 
 class Light(Protocol):
-    """How light gets through the layers: beams, or one buffer."""
+    """How light gets through the layers: beams, or one buffer.
+
+    `tiers`: faint stretches are lit by fewer directions; `relief`: rays of light go by pixels.
+    """
 
     groups: int
     colours: int
+    tiers: bool
+    relief: bool
 
     def through(
         self, block: Block, sums: NDArray, weights: NDArray, pool: ThreadPoolExecutor
     ) -> None:
         """Take the light through a block; write what the eye sees of it, by slot.
 
-        `sums` (groups, colours, slots), `weights` (groups, 1, slots).
+        `sums` (groups, colours, slots), `weights` (groups, segments, 2).
         """
 
 
@@ -101,17 +108,31 @@ class Sweep:
         self.work = Work(raster.count * pixels)
         self.depth = int(np.clip(BLOCK_PIXELS // max(pixels, 1), 1, MOST_LAYERS))
         self.stores = [self._store() for _ in range(2)]
-        self.transmittance = np.ones((raster.rows, raster.columns), f32)
+        self.eye = self._eye()
         self.sums = np.zeros((light.groups, light.colours, 0), f32)
-        self.weights = np.zeros((light.groups, 1, 0), f32)
+        self.weights = np.zeros((light.groups, 0, 2), f32)
+
+    def _eye(self) -> packed.Eye:
+        plane = (self.raster.rows, self.raster.columns)
+        reach = np.tile(np.array([plane[1], 0], np.int32), (plane[0], 1))
+        return packed.Eye(np.ones(plane, f32), np.ones(plane, f32), np.zeros(plane, f32), reach)
 
     def _store(self) -> tuple[packed.Layers, packed.Runs, packed.Runs]:
         rows, columns = self.raster.rows, self.raster.columns
         plane = (self.depth, rows, columns)
+        depth = np.zeros(plane, f32)
+        colours = (3, *plane)
+        several = len(self.filling.volumes) > 1
+        relief = self.light.relief and self.filling.bleeding is None
         layers = packed.Layers(
+            depth,
+            np.zeros(plane, f32) if self.filling.limited else depth,
+            None if self.filling.bleeding is None else np.zeros(colours, f32),
+            np.zeros(colours, f32) if several else None,
             np.zeros(plane, f32),
-            None if self.filling.bleeding is None else np.zeros((3, *plane), f32),
-            *(np.zeros(plane, f32) for _ in range(3)),
+            np.zeros(plane, f32),
+            np.zeros(plane, f32),
+            np.zeros(plane, f32) if relief else None,
         )
         return layers, _runs(*plane), _runs(*plane)
 
@@ -150,54 +171,71 @@ class Sweep:
         if n <= 0:
             return None
         layers, filled, visible = self.stores[start // self.depth % 2]
-        part = packed.Layers(
-            layers.depth[:n],
-            None if layers.tinted is None else layers.tinted[:, :n],
-            *(a[:n] for a in layers[2:]),
-        )
-        block = Block(
-            start, n, self.raster.block(start), part, _first(filled, n), _first(visible, n)
-        )
+        part = packed.Layers._make(_first_layers(a, n) for a in layers)
+        places = tuple(self.raster.block(start, volume) for volume in self.filling.volumes)
+        block = Block(start, n, places, part, _first(filled, n), _first(visible, n))
         return block, [pool.submit(self._fill, block, strip) for strip in self.strips]
 
     def _fill(self, block: Block, strip: Strip) -> int:
+        clear_rows(block.layers, block.filled, *strip)
+        bleeding = f32(self.filling.bleeding or 0)
+        return sum(
+            fill_rows(
+                volume.medium, volume.transfer, volume.integrals, place, bleeding, block.layers,
+                block.filled, number > 0, self.filling.skip, *strip,
+            )
+            for number, (volume, place) in enumerate(
+                zip(self.filling.volumes, block.places, strict=True)
+            )
+        )  # fmt: skip
+
+    def _look(self, block: Block, strip: Strip) -> None:
         f = self.filling
-        return fill_rows(
-            f.medium, f.transfer, f.integrals, block.place, self.raster.perspective,
-            f32(f.bleeding or 0), block.layers, block.filled, block.visible, self.transmittance,
-            self.image, f32(f.opaque), f.skip, *strip,
+        look_rows(
+            self.raster.perspective, block.places[0], block.layers, block.filled, block.visible,
+            self.eye, self.film, self.image, f32(f.opaque), f.limited, self.light.tiers, *strip,
         )  # fmt: skip
 
     def _light(self, pool: ThreadPoolExecutor, block: Block) -> None:
         begin = perf_counter()
-        slots = int(number_runs(block.visible))
+        list(pool.map(lambda strip: self._look(block, strip), self.strips))
+        list_runs(block.filled)
+        slots = int(list_runs(block.visible))
         self.work.seen += slots
         if slots > self.sums.shape[2]:
             self.sums = np.zeros((*self.sums.shape[:2], slots), f32)
-            self.weights = np.zeros((*self.weights.shape[:2], slots), f32)
+            self.weights = np.zeros((len(self.weights), slots // SEGMENT, 2), f32)
         self.light.through(block, self.sums, self.weights, pool)
-        jobs = [pool.submit(self._compose, block, strip) for strip in self.strips]
-        for job in jobs:
-            job.result()
+        list(pool.map(lambda strip: self._compose(block, strip), self.strips))
         self.work.seconds["light"] += perf_counter() - begin
 
     def _compose(self, block: Block, strip: Strip) -> None:
-        f = self.filling
+        volume = self.filling.volumes[0]
         compose_rows(
-            f.medium, f.transfer, f.integrals, block.place, self.raster.perspective, self.shade,
-            block.layers, block.visible, self.sums, self.weights, self.film, self.image, *strip,
+            volume.medium, volume.transfer, volume.integrals, block.places[0],
+            self.raster.perspective, self.shade, block.layers, block.visible, self.sums,
+            self.weights, self.film, self.image, *strip,
         )  # fmt: skip
+
+
+def _first_layers(a: NDArray | None, n: int) -> NDArray | None:
+    """The first layers, contiguous: of colours, which come before them, a new array."""
+    if a is None or n == a.shape[-3]:
+        return a
+    return a[:n] if a.ndim == 3 else np.zeros((len(a), n, *a.shape[2:]), f32)
 
 
 def _first(runs: packed.Runs, n: int) -> packed.Runs:
     """Runs of the first layers."""
-    return packed.Runs(runs.flags[:n], runs.count[:n], runs.start[:n], runs.end[:n], runs.slot[:n])
+    return packed.Runs._make((*(a[:n] for a in runs[:4]), *runs[4:]))
 
 
 def _runs(count: int, rows: int, columns: int) -> packed.Runs:
-    segments = -(-columns // SEGMENT)
+    segments = columns // SEGMENT
     most = (count, rows, segments // 2 + 1)
+    number = math.prod(most)
     return packed.Runs(
-        np.zeros((count, rows, segments), np.bool_), np.zeros((count, rows), np.int32),
-        np.zeros(most, np.int32), np.zeros(most, np.int32), np.zeros(most, np.int64),
+        np.zeros((count, rows, segments), np.uint8), np.zeros((count, rows), np.int32),
+        np.zeros(most, np.int32), np.zeros(most, np.int32), np.zeros((number, 3), np.int32),
+        np.zeros(number, np.int64), np.zeros(count + 1, np.int64),
     )  # fmt: skip

@@ -7,16 +7,20 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 from numpy.typing import NDArray
 
-from ..kernels.cone_beams import trace_beam
+from ..kernels.cone_beams import trace_beams
 from ..pack import f32
 from .beams import Beams
 from .raster import Raster
 from .sweep import Block
 
-# Beams are summed in this many groups, whatever the number of threads
-GROUPS = 8
+# Beams are summed in this many groups, whatever the number of threads. Of three beams, which lie
+# around the cone's axis by thirds of a turn and more, one is in the first two groups: what the eye
+# sees little of is lit by these alone.
+GROUPS, FAINT_GROUPS = 6, 2
+# Beams from which on that is done
+MANY = 24
 # Room of a beam's buffer around the film, pixels
-ROOM = 64
+ROOM = 192
 
 
 class Traced:
@@ -31,10 +35,17 @@ class Traced:
     """
 
     groups = GROUPS
+    relief = True
 
     def __init__(self, raster: Raster, beams: Beams, colours: int):
         self.raster, self.beams, self.colours = raster, beams, colours
-        self.routes = beams.routes(raster)
+        self.tiers = len(beams) >= MANY
+        self.members = _groups(len(beams))
+        routes = beams.routes(raster)
+        before = np.cumsum([0, *(len(route.places) for route in routes)])[:-1]
+        self.places = np.concatenate([route.places for route in routes])
+        self.first = np.array([a + r.first for a, r in zip(before, routes, strict=True)])
+        self.table = np.column_stack([beams.sideways, beams.weight]).astype(f32)
         rows, columns = raster.rows + 2 * ROOM, raster.columns + 2 * ROOM
         self.buffers = np.zeros((len(beams), colours, rows, columns), f32)
         self.origins = np.full((len(beams), colours, 2), -ROOM, np.int64)
@@ -57,17 +68,23 @@ class Traced:
         )
         zooms = (np.ones(block.size) if perspective is None else 1 / depth).astype(f32)
         sums[:] = 0
-        weights[:] = 0 if perspective is not None else self.beams.weight[group::GROUPS].sum()
-        # The weights of the second and third colour are those of the first
-        spare = np.empty_like(weights[0]) if self.colours > 1 else weights[0]
-        for k in range(group, len(self.beams), GROUPS):
-            route = self.routes[k]
-            first = route.first[block.start : block.start + block.size + 1]
-            places = route.places[first[0] : first[-1]]
-            for c in range(self.colours):
-                tinted = layers.depth if layers.tinted is None else layers.tinted[c]
-                trace_beam(
-                    perspective, self.beams.cone, self.beams.beam(k), self.buffers[k, c],
-                    self.origins[k, c], places, first - first[0], zooms, layers.depth, tinted,
-                    block.filled, block.visible, sums[c], weights[0] if c == 0 else spare,
-                )  # fmt: skip
+        weights[:] = 0
+        trace_beams(
+            perspective, self.beams.cone, self.table, self.members[group],
+            self.tiers and group >= FAINT_GROUPS, self.buffers, self.origins, self.places,
+            self.first, block.start, zooms, layers,
+            layers.depth[None] if layers.tinted is None else layers.tinted,
+            block.filled, block.visible, sums, weights,
+            np.empty_like(weights) if self.colours > 1 else weights,
+        )  # fmt: skip
+
+
+def _groups(count: int) -> list[NDArray[np.int64]]:
+    """Numbers of the beams in each group."""
+    k = np.arange(count)
+    faint, others = k[k % 3 == 0], k[k % 3 > 0]
+    rest = GROUPS - FAINT_GROUPS
+    return [
+        *(faint[g::FAINT_GROUPS] for g in range(FAINT_GROUPS)),
+        *(others[g::rest] for g in range(rest)),
+    ]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from .dicom_deflated import check_deflated
 from .dicom_quiet import quiet_pydicom
 from .dicom_tags import RawHeader, floats_of, integer_of, text_of, value_of
 from .errors import VolumeReadError
@@ -139,13 +140,14 @@ def read_dataset(file: Path, tags: Sequence[str] | None = None) -> tuple[Any, in
 
     try:
         with quiet_pydicom(), file.open("rb") as stream:
+            check_deflated(file, stream)
             dataset = pydicom.dcmread(
                 stream, stop_before_pixels=True, specific_tags=None if tags is None else [*tags]
             )
             return dataset, stream.tell()
     except pydicom.errors.InvalidDicomError:
         return None, 0
-    except OSError:
+    except (OSError, VolumeReadError):
         raise
     except Exception:
         # pydicom raises many kinds of error, and its texts may quote patient attributes.

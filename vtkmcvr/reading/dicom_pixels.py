@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from .dicom_deflated import DEFLATED
 from .dicom_headers import read_dataset
 from .dicom_packed import packed_frames, stored_type, unpacked_bits
 from .errors import VolumeReadError
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
     from .options import ReadOptions
 
 BIG_ENDIAN = "1.2.840.10008.1.2.2"
-DEFLATED = "1.2.840.10008.1.2.1.99"
 NATIVE = {"1.2.840.10008.1.2", "1.2.840.10008.1.2.1", BIG_ENDIAN, DEFLATED, ""}
 RLE = "1.2.840.10008.1.2.5"
 PIXEL_DATA = (b"\xe0\x7f\x10\x00", b"\x7f\xe0\x00\x10")
