@@ -17,7 +17,8 @@ class Row:
     ----------
     group, name, kind : str
     seconds_per_sample : float
-        Of one sample for every pixel.
+        Of one sample for every pixel: processor time over threads, which other work on the machine
+        disturbs little.
     noise : float or None
         NRMS noise of one sample per pixel; None where the variance is not known (denoisers).
     floor : float
@@ -26,6 +27,8 @@ class Row:
         95 % half width of `floor`; a floor below it is not distinguishable from 0.
     last : dict
         Last point measured.
+    bias : dict or None
+        Of directional occlusion: NRMS difference from the model that it approximates.
     """
 
     group: str
@@ -36,6 +39,7 @@ class Row:
     floor: float
     floor_spread: float
     last: dict[str, Any]
+    bias: dict[str, float] | None = None
 
     @property
     def biased(self) -> bool:
@@ -70,8 +74,8 @@ def row(entry: dict[str, Any]) -> Row:
     # d floor = measured / floor d measured, where the floor is above its own uncertainty
     spread = math.sqrt(max((last["measured"] + last["spread"]) ** 2 - last["measured"] ** 2, 0.0))
     return Row(
-        entry["group"], entry["name"], entry["kind"], last["seconds"] / last["samples"], noise,
-        last["measured"] if floor is None else floor, spread, last,
+        entry["group"], entry["name"], entry["kind"], last["cpu_seconds"] / last["samples"], noise,
+        last["measured"] if floor is None else floor, spread, last, entry.get("bias"),
     )  # fmt: skip
 
 
@@ -100,7 +104,8 @@ def markdown(results: dict[str, Any]) -> str:
     lines = [
         f"{width} x {height} pixels on {results['threads']} threads, {where['processor']}. "
         f"Reference: {results['reference']['samples']} samples, its own error "
-        f"{percent(results['reference']['nrms'])}.",
+        f"{percent(results['reference']['nrms'])}. Seconds are those of the processor over the "
+        f"number of threads; {percent(share(results))} of the clock's.",
         "",
         f"- An error of 10 % costs {seconds(base.seconds_to(0.1))}, "
         f"1 % costs {seconds(base.seconds_to(0.01))}.",
@@ -108,7 +113,11 @@ def markdown(results: dict[str, Any]) -> str:
         "",
     ]
     for group in dict.fromkeys(row.group for row in found):
-        lines += _table(group, [row for row in found if row.group == group], base)
+        members = [row for row in found if row.group == group]
+        shaded = group == "occlusion"
+        lines += _occlusion(members, results) if shaded else _table(group, members, base)
+    for key, reason in results["refused"].items():
+        lines += [f"Not measured: {key}: {reason}.", ""]
     if results["left_out"]:
         lines += ["Not measured, the time was over: " + "; ".join(results["left_out"]) + ".", ""]
     return "\n".join(lines)
@@ -126,9 +135,44 @@ def _table(group: str, members: list[Row], base: Row) -> list[str]:
         known = base.seconds_to(0.01)
         ratio = f"{equal / known:.2f} x" if equal is not None and known else "–"
         left = f"{percent(one.floor)} ({one.kind})" if one.biased else "none seen"
+        if one.kind == "other scene":
+            ratio, left = "–", "–"
         lines.append(
             f"| {one.name} | {one.seconds_per_sample / base.seconds_per_sample:.2f} x "
             f"| {seconds(one.seconds_to(0.1))} | {seconds(one.seconds_to(0.01))} | {ratio} "
             f"| {left} |"
         )
     return [*lines, ""]
+
+
+def _occlusion(members: list[Row], results: dict[str, Any]) -> list[str]:
+    lines = [
+        "### occlusion",
+        "",
+        "| | time | difference from the scene as it is (model) | from the cone that it stands for "
+        "(bias) | Monte Carlo of the cone with as much noise takes |",
+        "|---|---|---|---|---|",
+    ]
+    for one in members:
+        assert one.bias is not None
+        known = cone_seconds(one, results)
+        lines.append(
+            f"| {one.name} | {seconds(one.seconds_per_sample)} | {percent(one.floor)} "
+            f"| {percent(one.bias['nrms'])} | {seconds(known)} |"
+        )
+    return [*lines, ""]
+
+
+def cone_seconds(one: Row, results: dict[str, Any]) -> float | None:
+    """Seconds until Monte Carlo of the cone has noise as large as the bias of occlusion."""
+    assert one.bias is not None
+    cone = results["cones"][f"{one.bias['half_angle']:g}"]
+    if cone["nrms"] is None or not one.bias["nrms"]:
+        return None
+    return cone["seconds"] * (cone["nrms"] / one.bias["nrms"]) ** 2
+
+
+def share(results: dict[str, Any]) -> float:
+    """Processor seconds over those of the clock: below 1 where other work disturbed."""
+    last = [entry["points"][-1] for entry in results["measured"].values()]
+    return sum(p["cpu_seconds"] for p in last) / max(sum(p["seconds"] for p in last), 1e-9)
