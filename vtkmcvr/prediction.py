@@ -11,6 +11,7 @@ import numpy as np
 
 from . import checks, packed, schedule
 from .accuracy import image_error, samples_for
+from .film_error import variance
 from .plan import Plan, plan
 from .rendering import empty_film
 from .scene import Scene
@@ -98,23 +99,33 @@ def estimate(
     memory = sum(array.nbytes for array in _arrays((planned.packed, film)))
     film, spent = _pilot(planned, film, pilot_seconds, threads)
     error = image_error(film)
-    count = int(film.count.min())
     pilot = {
-        "samples": count,
+        "samples": int(film.count.min()),
         "size": list(film.count.shape[::-1]),
         "seconds": spent,
         "nrms": error.nrms if math.isfinite(error.nrms) else None,
     }
     if not error.bright or not math.isfinite(error.nrms):
         return Estimate(nrms, None, None, None, None, memory, threads, pilot)
+    count = _even_samples(film)
     samples, low, high = (
         max(1, math.ceil(samples_for(e, count, nrms))) if math.isfinite(e) else None
         for e in (error.nrms, error.low, error.high)
     )
     width, height = planned.scene.size
     pixels = width * height / film.count.size
-    seconds = samples_for(error.nrms, count, nrms) * pixels * spent / count
+    each = spent / float(film.count.mean())
+    seconds = samples_for(error.nrms, count, nrms) * pixels * each
     return Estimate(nrms, samples, low, high, seconds, memory, threads, pilot)
+
+
+def _even_samples(film: packed.Film) -> float:
+    """Samples per pixel that, spread evenly, have the error of a film whose last pass was cut off.
+
+    Variances v of the means of n samples are those of v n / m with m samples.
+    """
+    v = variance(film).sum(-1)
+    return float((v * film.count).sum() / v.sum()) if v.any() else float(film.count.mean())
 
 
 def _pilot(

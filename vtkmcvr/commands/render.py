@@ -106,8 +106,9 @@ def picture_of(data: Any, args: argparse.Namespace) -> Picture | OcclusionPictur
     with stop, Bar(args.quiet) as bar:
         picture = render(
             data, samples=args.samples, seconds=args.seconds, nrms=args.nrms,
-            adaptive=args.adaptive, seed=args.seed, threads=args.threads, exposure=args.exposure, background=background, progress=bar,
-            abort=stop.is_set, **occlusion_options(args), **options,
+            adaptive=args.adaptive, seed=args.seed, threads=args.threads, exposure=args.exposure,
+            background=background, progress=bar, abort=stop.is_set,
+            **occlusion_options(args), **options,
         )  # fmt: skip
     return picture.denoised(args.denoise) if args.denoise else picture
 
@@ -159,7 +160,8 @@ def _cost(picture: Picture | OcclusionPicture) -> str:
     if picture.denoiser is not None:
         error = f"denoised by {picture.denoiser['method']}, error not known"
     return (
-        f"{width} x {height}, {picture.samples} {adaptive}samples per pixel in {picture.seconds:.2f} s on "
-        f"{picture.threads} threads ({picture.paths_per_second / 1e6:.2f} M paths/s), "
-        f"stopped by {picture.stopped_by}; {error}"
+        f"{width} x {height}, {picture.samples} {adaptive}samples per pixel in "
+        f"{picture.seconds:.2f} s on {picture.threads} threads "
+        f"({picture.paths_per_second / 1e6:.2f} M paths/s), stopped by "
+        f"{picture.stopped_by}; {error}"
     )

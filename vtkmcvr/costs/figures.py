@@ -72,7 +72,7 @@ def converge(axes: Any, curves: dict[str, list[dict[str, Any]]], across: str = "
             label = "estimated by the picture" if index == 0 else None
             axes.plot(*zip(*known, strict=True), "s", mfc="none", ms=6, mec=line.get_color(),
                       label=label)  # fmt: skip
-    _root_line(axes, list(curves.values())[0], across)
+    _root_line(axes, next(iter(curves.values())), across)
     _logarithmic(axes, "samples per pixel" if across == "samples" else "seconds")
 
 
@@ -97,7 +97,7 @@ def _error_time(axes: Any, results: dict[str, Any]) -> None:
         base = entry["group"] == "scene"
         axes.plot(
             [p["cpu_seconds"] for p in points], [p["measured"] for p in points],
-            "k-o" if base else "-", ms=4, lw=2.2 if base else 1.1, zorder=3 if base else 2,
+            marker="o" if base else None, ms=4, lw=2.2 if base else 1.1, zorder=3 if base else 2,
             color="black" if base else f"C{index % 10}", ls="-" if index <= 10 else "--",
             label=entry["name"] if base else f"{entry['group']}: {entry['name']}",
         )  # fmt: skip

@@ -16,6 +16,8 @@ from .ladder import Reference
 RESULTS, REFERENCE, ERRORS = "cost.json", "reference.npz", "errors"
 # Pixels along an edge of a stored map of errors, at most
 MAP = 240
+# Error that float16 holds
+LARGEST = 6e4
 
 
 def load_results(folder: Path | None) -> dict[str, Any] | None:
@@ -72,7 +74,8 @@ def error_plane(radiance: NDArray, reference: Reference) -> NDArray[np.float16]:
         height, width = (n // edge * edge for n in square.shape)
         cut = square[:height, :width].reshape(height // edge, edge, width // edge, edge)
         square = cut.mean(axis=(1, 3))
-    return np.sqrt(square / max(reference.power, 1e-30)).astype(np.float16)
+    scaled = square / reference.power if reference.power > 0 else np.zeros_like(square)
+    return np.sqrt(np.minimum(scaled, LARGEST**2)).astype(np.float16)
 
 
 def save_error(folder: Path | None, key: str, plane: NDArray[np.float16]) -> None:
