@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from . import packed
 
-# Samples of a pixel for four samples of the mean pixel, (H, W)
+# Samples of a pixel for four samples of the mean pixel, (H, W); 0: the pixel is left out
 Density = NDArray[np.int64]
 QUARTERS = 4
 # A quarter of the mean is the least that a pixel gets, eight times the mean the most
@@ -46,12 +46,13 @@ def level_of(count: NDArray[np.int64], density: Density | None) -> int:
     """Largest level of which all pixels have their samples."""
     if density is None:
         return int(count.min())
-    return int((QUARTERS * count // density).min())
+    taken = density > 0
+    return int((QUARTERS * count[taken] // density[taken]).min())
 
 
 def level_with(samples: int, density: Density | None) -> int:
     """Least level at which every pixel has so many samples."""
-    return samples if density is None else -(-samples * QUARTERS // int(density.min()))
+    return samples if density is None else -(-samples * QUARTERS // int(density[density > 0].min()))
 
 
 def density_of(pilot: packed.Film) -> Density:

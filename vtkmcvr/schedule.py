@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from . import packed
 from .accuracy import ImageError, image_error, samples_for
-from .adaptive import Density, goals, level_of, level_with
+from .adaptive import QUARTERS, Density, goals, level_of, level_with
 from .kernels.cpu import render_tile
 
 logger = logging.getLogger("vtkmcvr")
@@ -139,6 +139,7 @@ class _Runner:
         self.density = density
         self.goal = UNLIMITED if rules.samples is None else rules.samples
         self.first = level_of(film.count, density)
+        self.pixels = film.count.size if density is None else max(1, int(density.sum()) // QUARTERS)
         self.least = level_with(LEAST_SAMPLES, density)
         self.halt = threading.Event()
         self.paths = 0
@@ -170,14 +171,14 @@ class _Runner:
         seconds = PASS_SECONDS
         if self.rules.seconds is not None:
             seconds = min(seconds, self.rules.seconds - elapsed)
-        more = max(1, int(seconds * rate / self.film.count.size))
+        more = max(1, int(seconds * rate / self.pixels))
         if self.rules.nrms is not None:
             # Slowly at first: a whole pass may be far more than it takes
             more = min(more, max(3 * done, self.least - done))
         if self.error is not None and math.isfinite(self.error.high):
             assert self.rules.nrms is not None
             enough = samples_for(self.error.high, done, self.rules.nrms)
-            enough = max(enough, self.least, LEAST_PATHS / self.film.count.size)
+            enough = max(enough, self.least, LEAST_PATHS / self.pixels)
             more = max(1, min(more, math.ceil(enough) - done))
         return min(done + more, self.goal)
 
@@ -259,7 +260,7 @@ class _Runner:
         if self.progress is None:
             return
         elapsed = time.perf_counter() - self.start
-        fraction = self.paths / max(1, (self.goal - self.first) * self.film.count.size)
+        fraction = self.paths / max(1, (self.goal - self.first) * self.pixels)
         if self.rules.seconds is not None:
             fraction = max(fraction, elapsed / self.rules.seconds)
         if self.error is not None and self.error.high > 0:

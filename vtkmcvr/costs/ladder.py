@@ -21,6 +21,8 @@ from ..schedule import default_threads
 Z95 = 1.959964
 # Seeds of references and of what is compared with them: never the same paths
 REFERENCE_SEED, LADDER_SEED = 0x7265666572, 1
+# Samples of a reference: with less, its own noise is not known
+LEAST_SAMPLES = 4
 
 
 @dataclass(frozen=True)
@@ -109,10 +111,12 @@ class Reference:
 def make_reference(
     plan: Plan, seconds: float, threads: int | None, abort: Callable[[], bool] | None = None
 ) -> Reference:
-    """Render for a time, with a seed of its own."""
+    """Render for a time, with a seed of its own, but no less than `LEAST_SAMPLES`."""
     picture = render_scene(
         plan, samples=2**20, seconds=seconds, seed=REFERENCE_SEED, threads=threads, abort=abort
     )
+    if picture.samples < LEAST_SAMPLES and picture.stopped_by != "user":
+        picture = picture.refine(samples=LEAST_SAMPLES, abort=abort)
     return Reference(picture.film.mean, variance(picture.film), picture.samples, picture.seconds)
 
 

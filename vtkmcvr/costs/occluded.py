@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from dataclasses import replace
 
+import numpy as np
 from numpy.typing import NDArray
 
 from ..lights import ConstantEnvironment
@@ -35,6 +36,8 @@ def occluded(
 ) -> tuple[Point, dict[str, float], NDArray]:
     """Point against the scene as it is, bias against the cone by Monte Carlo, and radiance.
 
+    The bias also has the error "matched" against the scene at the best factor of brightness "gain".
+
     The first of two renders compiles.
     """
     small = replace(scene, size=(8, 6))
@@ -45,5 +48,17 @@ def occluded(
     measured, spread = reference.error(picture.radiance)
     point = Point(1, picture.seconds, None, measured, spread, cpu_seconds)
     bias, bias_spread = cone.error(picture.radiance)
-    facts = {"half_angle": settings.half_angle, "nrms": bias, "spread": bias_spread}
+    # The brightness that is nearest to the scene's: a wrong exposure is no wrong shading
+    gain = _nearest(picture.radiance, reference)
+    matched, _ = reference.error(gain * picture.radiance)
+    facts = {
+        "half_angle": settings.half_angle, "nrms": bias, "spread": bias_spread, "gain": gain,
+        "matched": matched,
+    }  # fmt: skip
     return point, facts, picture.radiance
+
+
+def _nearest(radiance: NDArray, reference: Reference) -> float:
+    """Factor of least square difference."""
+    square = float(np.mean(radiance.astype(np.float64) ** 2))
+    return float(np.mean(radiance * reference.radiance)) / square if square > 0 else 1.0
