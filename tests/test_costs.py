@@ -16,14 +16,15 @@ from vtkmcvr.costs import stored, summary
 from vtkmcvr.costs.effects import effect_costs
 from vtkmcvr.costs.families import LIGHTS, NUMBERS, RADII, apertures, families
 from vtkmcvr.costs.figures import pareto
-from vtkmcvr.costs.ladder import Reference
+from vtkmcvr.costs.ladder import Reference, climb, make_reference
 from vtkmcvr.costs.study import fingerprint, study
 from vtkmcvr.costs.variants import BIAS, MODEL, SAME, variants
 from vtkmcvr.lights import ConstantEnvironment, irradiance_at
 from vtkmcvr.occlusion import Occlusion
 from vtkmcvr.picture_files import write_png
+from vtkmcvr.plan import plan
 from vtkmcvr.prediction import estimate
-from vtkmcvr.rendering import empty_film
+from vtkmcvr.rendering import empty_film, render_scene
 from vtkmcvr.report import error_map, write_report
 from vtkmcvr.scene import Camera
 from vtkmcvr.schedule import fill_up
@@ -51,6 +52,19 @@ def test_error_against_a_reference_leaves_its_noise_out():
     # 0.0125, 0.00023, that is 9 % of 0.0025; two of those
     assert nrms == pytest.approx(expected, rel=0.1)
     assert 0.02 * expected < spread < 0.25 * expected
+
+
+@pytest.mark.parametrize("seconds", [1e-9, 0.1])
+def test_noise_of_a_reference_is_known_from_the_first_sample_on(seconds):
+    # Square error of a reference against a far longer one, over its claim: 1024 grey values of
+    # differences of two pictures, whose squares spread by sqrt(2 / 1024) = 4.4 % and by more for
+    # their heavy tails
+    planned = plan(small(size=(32, 32)))
+    reference = make_reference(planned, seconds, 1)
+    truth = render_scene(planned, samples=max(64 * reference.samples, 2000), seed=5).film.mean
+    wrong = ((reference.radiance - truth) ** 2).mean()
+    assert reference.variance.mean() == pytest.approx(wrong, rel=0.4)
+    assert reference.samples >= 2
 
 
 def entry(kind, samples, seconds, estimated, measured, spread=0.0, group="scene", name="as it is"):
@@ -115,16 +129,30 @@ def pinhole(scene):
     return first
 
 
+def by_samples(patch):
+    """Let studies take samples instead of time, so that no other program decides what they see."""
+    patch.setattr("vtkmcvr.costs.study.make_reference", reference_of_samples)
+    patch.setattr("vtkmcvr.costs.study.climb", lambda *a, **k: climb(*a, **k, most=64))
+
+
+def reference_of_samples(plan, seconds, threads, abort=None):
+    a, b = (render_scene(plan, samples=256, seed=s, threads=1).film.mean for s in (77, 78))
+    return Reference((a + b) / 2, (a - b) ** 2 / 4, 512, 1.0)
+
+
+LONG = 1e4
+
+
 @pytest.fixture(scope="module")
 def done(tmp_path_factory):
     folder = tmp_path_factory.mktemp("study")
     with pytest.MonkeyPatch.context() as patch:
+        by_samples(patch)
         few = [v for v in variants(small()) if v.key in FEW]
         patch.setattr("vtkmcvr.costs.study.variants", lambda scene: few)
         patch.setattr("vtkmcvr.costs.study.families", lambda scene: [pinhole(scene)])
-        found = study(small(), budget=2.0, folder=folder, threads=1)
-        while found.left_out:
-            found = study(small(), budget=2.0, folder=folder, threads=1)
+        found = study(small(), budget=LONG, folder=folder, threads=1)
+    assert not found.left_out
     return folder, found
 
 
@@ -158,9 +186,10 @@ def test_occlusion_of_a_scene_that_it_does_not_know_is_refused_with_the_reason(t
     shaded = [v for v in variants(small()) if v.occlusion is not None][:1]
     panorama = small(camera=Camera((0, -5, 0), (0, 0, 0), panorama=True))
     with pytest.MonkeyPatch.context() as patch:
+        by_samples(patch)
         patch.setattr("vtkmcvr.costs.study.variants", lambda scene: shaded)
         patch.setattr("vtkmcvr.costs.study.families", lambda scene: [])
-        found = study(panorama, budget=0.5, threads=1)
+        found = study(panorama, budget=LONG, threads=1)
     assert found.left_out == [] and "panorama" in found.results["refused"][shaded[0].key]
     assert "panorama" in str(found)
 

@@ -216,7 +216,8 @@ class _Runner:
         if self.paths:
             rate = self.paths / self.threads / max(time.perf_counter() - self.start, 1e-6)
             samples = max(1, target - level_of(self.film.count, self.density))
-            edge = int(np.clip(math.sqrt(rate * TILE_SECONDS / samples), 4, LARGEST_TILE))
+            area = rate * TILE_SECONDS / samples * self.film.count.size / self.pixels
+            edge = int(np.clip(math.sqrt(area), 4, LARGEST_TILE))
         for row in range(0, height, edge):
             for column in range(0, width, edge):
                 yield row, min(row + edge, height), column, min(column + edge, width)

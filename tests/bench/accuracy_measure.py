@@ -57,7 +57,9 @@ def full_size(scene: Scene, factor: float) -> Facts:
         )
     )
     error = image_error(picture.film)
-    second = render_scene(planned, seconds=1.0, seed=2, threads=THREADS)
+    # What a second gives where nothing else runs
+    samples = max(1, round(picture.film.count.mean() / spent))
+    second = render_scene(planned, samples=samples, seed=2, threads=THREADS)
     # Both pictures are independent: the noise of the longer one is taken off
     reference = Reference(
         picture.film.mean, variance(picture.film), picture.samples, picture.seconds
@@ -106,10 +108,10 @@ def shaded(scene: Scene, factor: float) -> Facts:
     modes = {}
     for mode in MODES:
         point, bias, _ = occluded(scene, Occlusion(ANGLE, mode), whole, cone, THREADS)
-        noise = cone.nrms
+        least = max(bias["nrms"], bias["spread"])
         modes[mode] = {
             "seconds": point.cpu_seconds, "difference": point.measured, **bias,
-            "same_noise_seconds": cone.seconds * (noise / max(bias["nrms"], 1e-9)) ** 2,
+            "same_noise_seconds": cone.seconds * (cone.nrms / least) ** 2 if least else None,
         }  # fmt: skip
     return {"size": list(HALF), "cone": cone.facts(), "modes": modes}
 

@@ -42,8 +42,9 @@ def seconds_to(found: Facts, target: float) -> float:
     return full["cpu_seconds"] * (full["nrms"] / target) ** 2
 
 
-def _range(values: list[float], write: Any) -> str:
-    return f"{write(min(values))} to {write(max(values))}"
+def _range(values: list[float | None], write: Any) -> str:
+    known = [x for x in values if x is not None]
+    return f"{write(min(known))} to {write(max(known))}" if known else write(None)
 
 
 def _answers(facts: Facts) -> list[str]:
@@ -62,15 +63,15 @@ def _answers(facts: Facts) -> list[str]:
         f"- **One second** gives an error of {_range(second, percent)}.",
     ]
     if "study" in facts:
-        lines.append(f"- **Effects**: {_effects(facts['study'])}.")
+        lines.append(f"- **Effects**: {_effects(facts)}.")
     if "occlusion" in facts:
         lines.append(f"- **Occlusion** is enough {_enough(facts)}.")
     return [*lines, ""]
 
 
-def _effects(study: Facts) -> str:
-    """Time of a sample that each effect takes, of the CT head."""
-    rows = summary.rows(study)
+def _effects(facts: Facts) -> str:
+    """What leaving each effect out changes of the time of a sample."""
+    rows = summary.rows(facts["study"])
     base = rows[0].seconds_per_sample
     off = [row for row in rows if row.group == "without an effect"]
     parts = [f"{row.name} {row.seconds_per_sample / base - 1:+.0%}" for row in off]
@@ -79,7 +80,7 @@ def _effects(study: Facts) -> str:
         for row in rows
         if row.group == "scattering"
     ]
-    return "of the time per sample on the CT head, " + ", ".join(parts)
+    return f"of the time per sample of the {facts['studied']}, " + ", ".join(parts)
 
 
 def _enough(facts: Facts) -> str:
@@ -181,7 +182,7 @@ def _convergence(facts: Facts) -> list[str]:
     most = fall["independent"]["points"][-1]["samples"]
     return [
         *lines,
-        f"From 1 to {most} samples (CT head, {width} x {height}, pairs of independent pictures), "
+        f"From 1 to {most} samples ({facts['studied']}, {width} x {height}, pairs of independent pictures), "
         "fitted exponents with 95 % half widths: independent samples "
         f"{_exponent(fall['independent'])}, Sobol points {_exponent(fall['sobol'])}. "
         f"At {most} samples the error is {percent(fall['independent']['points'][-1]['nrms'])} and "
@@ -300,7 +301,7 @@ def _study(facts: Facts) -> list[str]:
     if "study" not in facts:
         return []
     return [
-        "## Every choice, on the CT head",
+        f"## Every choice, on the {facts['studied']}",
         "",
         "As `vtkmcvr cost` measures it on any volume. Errors and biases are against a reference by "
         "Monte Carlo of the same scene; families of scenes have references of their own.",

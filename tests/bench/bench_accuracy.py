@@ -33,6 +33,7 @@ from vtkmcvr.costs.study import machine, study
 DOCS = Path(__file__).parents[2] / "docs"
 FULL_BUDGET = 720.0
 STUDY_SIZE, STUDY_SHARE = (320, 240), 0.24
+STUDIED = "CT abdomen"
 OCCLUDED, PEERS = ("CT head", "engine", "CT abdomen"), ("CT head", "engine", "CT abdomen")
 MOST_SAMPLES = 4096
 
@@ -46,6 +47,7 @@ class Page:
         stored = json.loads(self.json.read_text()) if self.json.exists() else {}
         self.facts: Facts = {**stored, "budget": budget, "threads": THREADS, **conditions()}
         self.facts.setdefault("volumes", {})
+        self.facts["studied"] = STUDIED
         self.start = time.perf_counter()
 
     def keep(self, what: str) -> None:
@@ -81,13 +83,13 @@ class Page:
 
     def fall(self) -> None:
         """Power of the number of samples."""
-        scene = scene_named("CT head", volume_named("CT head"), (80, 60))
+        scene = scene_named(STUDIED, volume_named(STUDIED), (80, 60))
         self.facts["fall"] = fall(scene, MOST_SAMPLES if self.factor > 0.3 else 256)
         self.keep("fall of the error")
 
     def study(self) -> None:
-        """Every choice on the CT head; where time is over, the rest is named."""
-        scene = scene_named("CT head", volume_named("CT head"), STUDY_SIZE)
+        """Every choice on one volume; where time is over, the rest is named."""
+        scene = scene_named(STUDIED, volume_named(STUDIED), STUDY_SIZE)
         with tempfile.TemporaryDirectory() as folder:
             found = study(scene, STUDY_SHARE * FULL_BUDGET * self.factor, folder=folder,
                           threads=THREADS)  # fmt: skip
