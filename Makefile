@@ -6,7 +6,7 @@ RUN := $(VENV)/bin/python -m
 TREE := build/lint
 INSTALL := $(RUN) pip install --quiet --disable-pip-version-check
 
-.PHONY: demo test slow lint bench clean
+.PHONY: demo test slow lint bench accuracy clean
 
 $(VENV)/installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -42,6 +42,11 @@ lint: $(VENV)/installed-lint
 bench: $(VENV)/installed-test
 	$(INSTALL) --editable ".[peers]"
 	$(VENV)/bin/python tests/bench/bench_mitsuba.py
+
+# docs/accuracy.md anew, in some 12 minutes on 2 quiet cores, once all kernels are compiled
+accuracy: $(VENV)/installed-test
+	$(INSTALL) --editable ".[peers,plot]"
+	$(VENV)/bin/python tests/bench/bench_accuracy.py
 
 clean:
 	rm -rf $(VENV) build dist *.egg-info

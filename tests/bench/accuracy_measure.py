@@ -27,6 +27,8 @@ FULL, HALF = (800, 600), (400, 300)
 TARGET = 0.1
 # Seconds at the full budget: up to 10 %, a reference, a ladder
 MOST_SECONDS, REFERENCE_SECONDS, LADDER_SECONDS = 45.0, 14.0, 12.0
+# Two batches of Sobol points, whose errors are known without bias
+LEAST_SAMPLES = 32
 MODES = ("default", "fast", "paper")
 ANGLE = 60.0
 
@@ -56,6 +58,9 @@ def full_size(scene: Scene, factor: float) -> Facts:
             planned, nrms=TARGET, seconds=MOST_SECONDS * factor, seed=1, threads=THREADS
         )
     )
+    if picture.samples < LEAST_SAMPLES:
+        picture, more = timed(lambda: picture.refine(samples=LEAST_SAMPLES))
+        spent += more
     error = image_error(picture.film)
     # What a second gives where nothing else runs
     samples = max(1, round(picture.film.count.mean() / spent))
@@ -82,8 +87,9 @@ def half_size(scene: Scene, factor: float) -> Facts:
     planned = plan(replace(scene, size=HALF))
     reference = make_reference(planned, REFERENCE_SECONDS * factor, THREADS)
     seconds = LADDER_SECONDS * factor
-    even, _ = climb(planned, reference, seconds, THREADS)
-    adaptive, _ = climb(planned, reference, seconds, THREADS, adaptive=True)
+    least = 2 * LEAST_SAMPLES
+    even, _ = climb(planned, reference, seconds, THREADS, least=least)
+    adaptive, _ = climb(planned, reference, seconds, THREADS, least=least, adaptive=True)
     return {
         "size": list(HALF), "reference": reference.facts(), "points": plain(even),
         "adaptive": plain(adaptive), "gain": gain(even[-1], adaptive[-1]),

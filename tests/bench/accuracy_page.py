@@ -182,8 +182,8 @@ def _convergence(facts: Facts) -> list[str]:
     most = fall["independent"]["points"][-1]["samples"]
     return [
         *lines,
-        f"From 1 to {most} samples ({facts['studied']}, {width} x {height}, pairs of independent pictures), "
-        "fitted exponents with 95 % half widths: independent samples "
+        f"From 1 to {most} samples ({facts['studied']}, {width} x {height}, pairs of independent "
+        "pictures), fitted exponents with 95 % half widths: independent samples "
         f"{_exponent(fall['independent'])}, Sobol points {_exponent(fall['sobol'])}. "
         f"At {most} samples the error is {percent(fall['independent']['points'][-1]['nrms'])} and "
         f"{percent(fall['sobol']['points'][-1]['nrms'])}.",

@@ -152,5 +152,5 @@ def _error_maps(results: dict[str, Any], path: Path, maps: Path | None) -> list[
         title = f"{entry['group']}: {entry['name']}\n{summary.percent(last['measured'])}"
         axes.set_title(title, fontsize=7)
     figure.colorbar(shown, ax=list(grid), shrink=0.4, label="RMS error / RMS radiance")
-    figure.savefig(path, dpi=110)
+    figure.savefig(path, dpi=80)
     return [path]

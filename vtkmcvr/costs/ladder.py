@@ -134,9 +134,12 @@ def climb(
     *,
     finish: Callable[[Picture], NDArray] | None = None,
     adaptive: bool = False,
+    least: int = 1,
     most: int = 2**20,
 ) -> tuple[list[Point], NDArray]:
     """Points at 1, 2, 4 ... samples until the time is over, and the last radiance.
+
+    There are `least` samples or more, whatever time they take, and no more than `most`.
 
     `finish` makes another radiance of each picture, such as a denoised one; its time is counted.
     """
@@ -147,7 +150,7 @@ def climb(
     spent = (time.process_time() - start) / threads
     point, radiance = _point(picture, reference, finish, spent, threads)
     points = [point]
-    while picture.samples < most and 2 * picture.seconds < seconds:
+    while picture.samples < most and (picture.samples < least or 2 * picture.seconds < seconds):
         start = time.process_time()
         picture = picture.refine(samples=2 * picture.samples)
         spent += (time.process_time() - start) / threads
