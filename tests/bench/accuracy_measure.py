@@ -85,7 +85,7 @@ def full_size(scene: Scene, factor: float) -> Facts:
 def half_size(scene: Scene, factor: float) -> Facts:
     """Error at 1, 2, 4 ... samples, evenly spread and adaptive, against a reference."""
     planned = plan(replace(scene, size=HALF))
-    reference = make_reference(planned, REFERENCE_SECONDS * factor, THREADS)
+    reference = make_reference(planned, REFERENCE_SECONDS * factor, THREADS, least=LEAST_SAMPLES)
     seconds = LADDER_SECONDS * factor
     least = 2 * LEAST_SAMPLES
     even, _ = climb(planned, reference, seconds, THREADS, least=least)
@@ -109,8 +109,10 @@ def gain(even: Any, adaptive: Any) -> Facts:
 def shaded(scene: Scene, factor: float) -> Facts:
     """Directional occlusion: seconds, and bias against its own model by Monte Carlo."""
     scene = replace(scene, size=HALF)
-    whole = make_reference(plan(scene), 5.0 * factor, THREADS)
-    cone = make_reference(plan(cone_scene(scene, ANGLE)), 8.0 * factor, THREADS)
+    whole = make_reference(plan(scene), 5.0 * factor, THREADS, least=LEAST_SAMPLES // 2)
+    cone = make_reference(
+        plan(cone_scene(scene, ANGLE)), 8.0 * factor, THREADS, least=LEAST_SAMPLES
+    )
     modes = {}
     for mode in MODES:
         point, bias, _ = occluded(scene, Occlusion(ANGLE, mode), whole, cone, THREADS)

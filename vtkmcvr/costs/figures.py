@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -35,7 +36,7 @@ def draw(results: dict[str, Any], folder: Path, maps: Path | None = None) -> lis
             if entry["group"] == group
         }
         if curves:
-            paths.append(save_figure(folder / name, lambda axes, c=curves: converge(axes, c)))
+            paths.append(save_figure(folder / name, partial(converge, curves=curves)))
     return [*paths, *_error_maps(results, folder / "errors.png", maps)]
 
 

@@ -96,9 +96,9 @@ class Reference:
         The mean square difference contains the reference's noise, which is taken off. Pixels are
         independent, so the spread of their square differences gives the half width.
         """
-        square = ((radiance - self.radiance) ** 2).mean(-1)
-        mean = float(square.mean()) - float(self.variance.mean())
-        spread = Z95 * float(square.std()) / math.sqrt(square.size)
+        excess = ((radiance - self.radiance) ** 2 - self.variance).mean(-1)
+        mean = float(excess.mean())
+        spread = Z95 * float(excess.std()) / math.sqrt(excess.size)
         if self.power <= 0:
             return math.inf, math.inf
         nrms = math.sqrt(max(mean, 0.0) / self.power)
@@ -107,9 +107,14 @@ class Reference:
 
 
 def make_reference(
-    plan: Plan, seconds: float, threads: int | None, abort: Callable[[], bool] | None = None
+    plan: Plan,
+    seconds: float,
+    threads: int | None,
+    abort: Callable[[], bool] | None = None,
+    *,
+    least: int = 2,
 ) -> Reference:
-    """Render for a time, with seeds of its own.
+    """Render for a time, but no less than `least` samples, with seeds of its own.
 
     It is the mean of two independent pictures, whose square difference over four tells its noise
     without bias from the first sample on; that of a single film is an upper estimate below two
@@ -117,9 +122,12 @@ def make_reference(
     """
     threads = threads or default_threads()
     # Compiles, too
+    half = max(1, least // 2)
     first = render_scene(plan, samples=1, seed=REFERENCE_SEED, threads=threads)
     start = time.process_time()
     first = first.refine(samples=2**20, seconds=seconds / 2, abort=abort)
+    if first.samples < half:
+        first = first.refine(samples=half, abort=abort)
     second = render_scene(plan, samples=first.samples, seed=REFERENCE_SEED + 1, threads=threads)
     a, b = first.film.mean, second.film.mean
     spent = (time.process_time() - start) / threads
