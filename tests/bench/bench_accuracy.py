@@ -1,6 +1,6 @@
 """What accuracy costs in time: docs/accuracy.json, docs/accuracy.md and their figures.
 
-    python tests/bench/bench_accuracy.py [--budget 12m] [--only PART] [--folder docs]
+    python tests/bench/bench_accuracy.py [--budget 12m] [--only PART] [--small] [--folder docs]
 
 Volumes come from VTKMCVR_DATA, the script that renders with Mitsuba from VTKMCVR_PEERS; without it
 that part is left out. The budget is for kernels that are compiled already: a first run on a machine
@@ -23,7 +23,7 @@ from pathlib import Path
 import accuracy_figures
 import accuracy_peer
 from accuracy_measure import THREADS, Facts, fall, full_size, half_size, shaded
-from accuracy_page import page
+from accuracy_page import FULL_BUDGET, page
 from accuracy_volumes import SUBJECTS, scene_named, volume_named
 
 from vtkmcvr import __version__
@@ -31,8 +31,7 @@ from vtkmcvr.commands.cost import duration
 from vtkmcvr.costs.study import machine, study
 
 DOCS = Path(__file__).parents[2] / "docs"
-FULL_BUDGET = 720.0
-STUDY_SIZE, STUDY_SHARE = (320, 240), 0.24
+STUDY_SIZE, SMALL, STUDY_SHARE = (320, 240), (128, 96), 0.24
 STUDIED = "CT abdomen"
 OCCLUDED, PEERS = ("CT head", "engine", "CT abdomen"), ("CT head", "engine", "CT abdomen")
 MOST_SAMPLES = 4096
@@ -45,7 +44,9 @@ class Page:
         self.folder, self.factor = folder, budget / FULL_BUDGET
         self.json = folder / "accuracy.json"
         stored = json.loads(self.json.read_text()) if self.json.exists() else {}
-        self.facts: Facts = {**stored, "budget": budget, "threads": THREADS, **conditions()}
+        self.facts: Facts = {**stored, "threads": THREADS, **conditions()}
+        self.budget, self.study_size = budget, STUDY_SIZE
+        self.facts.setdefault("budgets", {})
         self.facts.setdefault("volumes", {})
         self.facts["studied"] = STUDIED
         self.start = time.perf_counter()
@@ -89,7 +90,7 @@ class Page:
 
     def study(self) -> None:
         """Every choice on one volume; where time is over, the rest is named."""
-        scene = scene_named(STUDIED, volume_named(STUDIED), STUDY_SIZE)
+        scene = scene_named(STUDIED, volume_named(STUDIED), self.study_size)
         with tempfile.TemporaryDirectory() as folder:
             found = study(scene, STUDY_SHARE * FULL_BUDGET * self.factor, folder=folder,
                           threads=THREADS)  # fmt: skip
@@ -128,11 +129,16 @@ def main() -> None:
     parts = ("volumes", "occlusion", "peers", "fall", "study", "page")
     parser.add_argument("--budget", type=duration, default=FULL_BUDGET, metavar="12m")
     parser.add_argument("--only", choices=parts, action="append")
+    parser.add_argument("--small", action="store_true", help="study of 128 x 96 pixels")
     parser.add_argument("--folder", type=Path, default=DOCS)
     args = parser.parse_args()
     made = Page(args.folder, args.budget)
+    if args.small:
+        made.study_size = SMALL
     for part in args.only or parts:
         measure: Callable[[], None] = getattr(made, part)
+        if part != "page":
+            made.facts["budgets"][part] = args.budget
         measure()
     if args.only and "page" not in args.only:
         made.page()

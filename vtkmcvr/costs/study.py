@@ -36,6 +36,8 @@ from .variants import OTHER, Variant, base_variant, variants
 # Shares of the time: the reference, the scene as it is, all variants together
 REFERENCE_SHARE, BASE_SHARE = 0.35, 0.15
 LEAST_SECONDS = 0.2
+# With less, a picture cannot tell its noise from what else differs
+LEAST_SAMPLES = 2
 
 TABLES = "cost.md"
 
@@ -229,7 +231,7 @@ class _Worker:
             reference = make_reference(planned, seconds, self.threads)
         return climb(
             planned, reference, seconds, self.threads, finish=variant.finish,
-            adaptive=variant.adaptive,
+            adaptive=variant.adaptive, least=LEAST_SAMPLES,
         )  # fmt: skip
 
     def _cone(self, half_angle: float) -> Reference:
