@@ -152,7 +152,7 @@ def _volumes(facts: Facts) -> list[str]:
         samples = full["samples"] * (full["nrms"] / 0.1) ** 2
         second = full["one_second"]
         lines.append(
-            f"| {name} | {' x '.join(map(str, full['shape'][::-1]))} {full['type']} "
+            f"| {name} | {' x '.join(map(str, full['shape']))} {full['type']} "
             f"| {full['paths_per_second'] / 1e6:.2f} | {samples:.0f}{_mark(full)} "
             f"| {seconds(seconds_to(found, 0.1))} | {seconds(seconds_to(found, 0.01))} "
             f"| {percent(second['nrms'])} ({second['samples']}) |"

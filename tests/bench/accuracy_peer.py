@@ -19,7 +19,7 @@ from vtkmcvr.plan import plan
 from vtkmcvr.rendering import render_scene
 from vtkmcvr.scene import Scene, Volume
 
-SIZE = (160, 120)
+SIZE = (96, 72)
 THEIR_SAMPLES, OUR_SAMPLES, TURNS = 8, 64, 3
 
 

@@ -140,7 +140,7 @@ def main() -> None:
         if part != "page":
             made.facts["budgets"][part] = args.budget
         measure()
-    if args.only and "page" not in args.only:
+    if args.only and "page" not in args.only and made.facts["volumes"]:
         made.page()
 
 
