@@ -6,7 +6,7 @@ RUN := $(VENV)/bin/python -m
 TREE := build/lint
 INSTALL := $(RUN) pip install --quiet --disable-pip-version-check
 
-.PHONY: demo test slow lint bench accuracy clean
+.PHONY: demo test slow lint bench accuracy speed clean
 
 $(VENV)/installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -47,6 +47,10 @@ bench: $(VENV)/installed-test
 accuracy: $(VENV)/installed-test
 	$(INSTALL) --editable ".[peers,plot]"
 	$(VENV)/bin/python tests/bench/bench_accuracy.py
+
+# What each effect adds: docs/speed.md and docs/speed.json, from the volumes in VTKMCVR_DATA
+speed: $(VENV)/installed-test
+	$(VENV)/bin/python tests/bench/bench_effects.py
 
 clean:
 	rm -rf $(VENV) build dist *.egg-info

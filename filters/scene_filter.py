@@ -15,8 +15,10 @@ from vtkmcvr.layers import Layer
 from vtkmcvr.lights import ConstantEnvironment, EnvironmentMap, Light
 from vtkmcvr.receivers import Receiver
 from vtkmcvr.scene import Camera, Lens, PixelFilter, Scene, Volume, known_aovs
-from vtkmcvr.vtk_cutting import MeshCache, clip_of, cropping_of, mask_of
+from vtkmcvr.vtk_cutting import clip_of, cropping_of
+from vtkmcvr.vtk_labels import mask_of
 from vtkmcvr.vtk_lights import members
+from vtkmcvr.vtk_mesh import MeshCache
 from vtkmcvr.vtk_scene import (
     VolumeCache,
     camera_of,

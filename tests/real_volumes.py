@@ -11,9 +11,14 @@ from vtkmcvr.vtk_scene import volume_of
 DATA = Path(os.environ.get("VTKMCVR_DATA", Path(__file__).parents[2] / "shared" / "data"))
 
 
-def real_volume(name):
-    """Volume of a file or folder of the collection."""
+def real_path(name):
+    """Path of a file or folder of the collection."""
     path = DATA / name
     if not path.exists():
         pytest.skip(f"{name} is not here: set VTKMCVR_DATA to the volume collection")
-    return volume_of(read_vtk(str(path)))
+    return path
+
+
+def real_volume(name):
+    """Volume of a file or folder of the collection."""
+    return volume_of(read_vtk(str(real_path(name))))

@@ -176,10 +176,10 @@ def test_not_volumes(tmp_path, capsys):
     import SimpleITK as sitk
 
     sitk.WriteImage(sitk.Image([8, 8], sitk.sitkUInt8), str(tmp_path / "flat.nrrd"))
-    sitk.WriteImage(sitk.Image([8, 8, 8], sitk.sitkVectorUInt8, 3), str(tmp_path / "rgb.nrrd"))
+    sitk.WriteImage(sitk.Image([8, 8, 8], sitk.sitkVectorUInt8, 5), str(tmp_path / "five.nrrd"))
     (tmp_path / "text.nrrd").write_text("not a volume")
     (tmp_path / "empty").mkdir()
-    for name in ("flat.nrrd", "rgb.nrrd", "text.nrrd", "empty"):
+    for name in ("flat.nrrd", "five.nrrd", "text.nrrd", "empty"):
         assert main(["render", str(tmp_path / name), "-o", str(tmp_path / "p.png")]) == 2
         error = capsys.readouterr().err
         assert (error.count("\n") == 1 and name in error) or "component" in error, error

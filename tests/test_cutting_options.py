@@ -8,13 +8,14 @@ from scenes import blob, slab
 
 from vtkmcvr.commands.cutting import (
     add_cutting_options,
-    coloured_labels,
     cutting_options,
     floor_under,
 )
+from vtkmcvr.commands.labelling import coloured_labels
 from vtkmcvr.cutting import SUBVOLUME, Plane
 from vtkmcvr.front import scene_of
 from vtkmcvr.scene import Volume
+from vtkmcvr.volume_info import Segment
 
 
 def parsed(*words):
@@ -86,7 +87,12 @@ def test_labels_have_the_opacity_of_the_look_and_colours_of_their_own():
     assert len(labels.transfers) == 26
     assert labels.transfers[1].opacity == transfer.opacity
     assert labels.transfers[1].colour != labels.transfers[2].colour
-    assert labels.transfers[1] is labels.transfers[9]
+    named = [Segment(5, "liver", (1.0, 0.0, 0.0)), Segment(9, "spleen", (1.0, 0.0, 0.0))]
+    labels = coloured_labels(np.arange(27).reshape(3, 3, 3), transfer, named)
+    red, green, blue = labels.transfers[5].colour(0.0)
+    assert red > 20 * green
+    assert green == blue
+    assert labels.transfers[5] is labels.transfers[9]
 
 
 def test_floor_is_just_under_what_is_seen():

@@ -40,6 +40,12 @@ def test_a_display_is_edited_without_a_ray(picture, monkeypatch):
         picture.refine(8)
 
 
+def test_a_picture_goes_on_under_another_display_with_the_same_bits(picture):
+    brighter = picture.with_display(exposure=1.0, gamma=2.0).refine(8)
+    assert brighter.display == Display(1.0, gamma=2.0)
+    np.testing.assert_array_equal(brighter.radiance, render(LIT, 8).radiance)
+
+
 @pytest.mark.parametrize(
     "edit",
     [

@@ -12,6 +12,7 @@ from vtkmcvr.cutting import ALL_REGIONS, Box, Cropping, Plane, Sphere
 from vtkmcvr.deserialise import from_plain
 from vtkmcvr.labels import Labels
 from vtkmcvr.layers import Layer
+from vtkmcvr.lights import EnvironmentMap, PointLight
 from vtkmcvr.phases import HenyeyGreenstein
 from vtkmcvr.plan import plan
 from vtkmcvr.receivers import BoxReceiver, MeshReceiver, PlaneReceiver, SphereReceiver
@@ -124,3 +125,28 @@ def test_recipe_holds_all_parts():
     assert sorted(again.labels.transfers) == [1, 2]
     np.testing.assert_array_equal(again.receivers[2].normals, mesh.normals)
     assert again.layers[0].transfer == made.layers[0].transfer
+
+
+def test_parts_that_hold_arrays_are_equal_to_themselves_alone():
+    # Else caches and filters would take one for another of the same look
+    triangle = [[0, 1, 2]]
+    corners = np.eye(3)
+    for make in (
+        lambda: EnvironmentMap(np.ones((2, 4, 3))),
+        lambda: MeshReceiver(corners, triangle),
+        lambda: BoxReceiver((0, 0, 0), (1, 1, 1)),
+    ):
+        one, other = make(), make()
+        assert one == one
+        assert one != other
+        assert len({one, other}) == 2
+    assert PlaneReceiver((0, 0, 0), (0, 0, 1)) == PlaneReceiver((0, 0, 0), (0, 0, 1))
+    assert PointLight((0, 0, 0)) == PointLight((0, 0, 0))
+    assert PointLight((0, 0, 0)) != PointLight((0, 0, 1))
+
+
+def test_each_mesh_is_planned_with_its_own_triangles():
+    corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    for n in (1, 2):
+        mesh = MeshReceiver(corners, [[0, 1, 2], [0, 1, 3]][:n])
+        assert len(plan(scene(receivers=mesh)).packed.mesh.triangles) == n

@@ -20,15 +20,9 @@ from vtkmodules.vtkRenderingVolumeOpenGL2 import vtkOpenGLGPUVolumeRayCastMapper
 
 from vtkmcvr.cutting import CROSS, FENCE, SUBVOLUME, Box, Plane, Sphere
 from vtkmcvr.receivers import SphereReceiver
-from vtkmcvr.vtk_cutting import (
-    MeshCache,
-    clip_of,
-    cropping_of,
-    label_transfers_of,
-    mask_of,
-    mesh_of,
-    shapes_of,
-)
+from vtkmcvr.vtk_cutting import clip_of, cropping_of, shapes_of
+from vtkmcvr.vtk_labels import label_transfers_of, mask_of
+from vtkmcvr.vtk_mesh import MeshCache, mesh_of
 from vtkmcvr.vtk_scene import volume_of
 
 

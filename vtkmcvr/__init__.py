@@ -58,6 +58,12 @@ _HOME = {
     "Cropping": "cutting",
     "Labels": "labels",
     "Layer": "layers",
+    "Segmentation": "segmentation",
+    "Look": "presets",
+    "read_look": "presets",
+    "write_look": "presets",
+    "look_of_property": "vtk_look",
+    "property_of_look": "vtk_look",
     "PlaneReceiver": "receivers",
     "BoxReceiver": "receivers",
     "SphereReceiver": "receivers",
@@ -118,6 +124,7 @@ if TYPE_CHECKING:
     from .phantom import head_phantom
     from .picture import Display, Picture
     from .prediction import estimate
+    from .presets import Look, read_look, write_look
     from .readers import list_series, read, read_labels, time_steps
     from .receivers import BoxReceiver, MeshReceiver, PlaneReceiver, SphereReceiver
     from .recipe_files import read_recipe
@@ -140,7 +147,9 @@ if TYPE_CHECKING:
         TransferTable,
         Volume,
     )
+    from .segmentation import Segmentation
     from .studio import view_camera
+    from .vtk_look import look_of_property, property_of_look
 
 
 def __getattr__(name: str) -> Any:

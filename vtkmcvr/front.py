@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,41 +12,38 @@ from . import __version__, checks
 from .lights import Light
 from .occlusion import Occlusion, OcclusionPicture, render_occlusion
 from .picture import Display, Picture
-from .plan import plan
-from .presets import Dressed, dress
+from .presets import Dressed, Look, dress
+from .presets.fit import look_of
+from .presets.framing import view_of_slab
+from .presets.overlay import with_overlay
+from .presets.solids import as_solids, with_segmentation
 from .rendering import render_scene
 from .scene import Camera, Scene, TransferFunction, Volume
 from .schedule import Progress
-from .studio import view_camera
-from .volume_info import units
-from .vtk_scene import volume_of
+from .segmentation import Segmentation
+from .studio import View, view_camera
+from .volume_info import modality, segments, units
+from .vtk_single import single_volume
 
 TECHNIQUES = ("monte-carlo", "occlusion")
 # sRGB colour behind presets
 BACKDROP = (0.07, 0.08, 0.10)
 
 
-@dataclass(frozen=True)
-class View:
-    """Where the camera stands; see `vtkmcvr.studio.view_camera`."""
-
-    view: str = "front"
-    azimuth: float = 0.0
-    elevation: float = 0.0
-    roll: float = 0.0
-    zoom: float = 1.0
-
-
 def scene_of(
     data: Any,
     *,
-    preset: str | None = None,
+    preset: str | Look | None = None,
     transfer: TransferFunction | None = None,
     camera: Camera | None = None,
     lights: Sequence[Light] | None = None,
     view: View | None = None,
     size: tuple[int, int] = (800, 600),
     shift: float | None = None,
+    whole: bool = False,
+    segmentation: Segmentation | None = None,
+    overlay: Any = None,
+    overlay_preset: str | Look | None = None,
     **effects: Any,
 ) -> Dressed:
     """Scene of a volume: a look, with any part of it replaced.
@@ -54,16 +51,24 @@ def scene_of(
     Parameters
     ----------
     data : vtkImageData, pyvista.ImageData or Volume
-    preset : str, optional
-        One of `vtkmcvr.presets.LOOKS`. Default: chosen from the values.
+    preset : str or Look, optional
+        One of `vtkmcvr.presets.LOOKS`, or a look of your own. Default: chosen from the values.
     transfer, camera, lights : optional
         Instead of the look's.
     view : View, optional
-        Where to look from, without `camera`.
+        Where to look from, without `camera`. Default: the look's.
     size : (width, height)
         Pixels.
     shift : float, optional
         Number to add to the values to get HU. Default: 0 for HU, else detected.
+    whole : bool
+        Also show what a CT look leaves out: the table, what lies close under the skin.
+    segmentation : Segmentation, optional
+        Labels on the grid of the volume: those chosen become solids, those hidden are left out.
+    overlay : vtkImageData, pyvista.ImageData or Volume, optional
+        A second volume in the same world, such as PET over CT.
+    overlay_preset : str or Look, optional
+        Its look. Default: chosen from its values; of a look that glows, only what glows is seen.
     **effects
         Other fields of `Scene`: surface, phase, scattering, shadow_reach, environment_visible,
         pixel_filter ...
@@ -73,15 +78,26 @@ def scene_of(
     Dressed
         The scene, its exposure, the name of the look, and notes.
     """
-    volume = data if isinstance(data, Volume) else volume_of(data)
-    known = units(data) if not isinstance(data, Volume) else ""
+    volume, known, noted = _volume_and_facts(data)
     width = checks.whole("film width", size[0], least=1)
     height = checks.whole("film height", size[1], least=1)
-    place = camera or view_camera(volume)
-    dressed = dress(volume, place, preset, units=known, shift=shift, size=(width, height))
+    look = look_of(volume, preset, **known)
+
+    def dressed_for(place: Camera) -> Dressed:
+        found = dress(
+            volume, place, look, chosen=preset is None, shift=shift, size=(width, height),
+            whole=whole, **known,
+        )  # fmt: skip
+        if look.units == "labels":
+            return as_solids(found, segmentation or _segmentation(data, volume))
+        if segmentation is not None:
+            found = with_segmentation(found, segmentation)
+        return found if overlay is None else _overlaid(found, overlay, overlay_preset)
+
+    dressed = dressed_for(camera or view_camera(volume))
     if camera is None:
-        camera = _framed(dressed.scene, view or View())
-        dressed = dress(volume, camera, preset, units=known, shift=shift, size=(width, height))
+        dressed = dressed_for(_framed(dressed, view or view_of_slab(look.view, dressed.points)))
+    dressed = replace(dressed, notes=(*dressed.notes, *noted))
     changes = dict(effects)
     if transfer is not None:
         changes["transfer"] = transfer
@@ -90,14 +106,33 @@ def scene_of(
     return replace(dressed, scene=replace(dressed.scene, **changes)) if changes else dressed
 
 
-def _framed(scene: Scene, view: View) -> Camera:
-    """Camera on the part of the volume that the transfer function shows."""
-    volume, (width, height) = scene.volume, scene.size
-    corners = plan(scene).corners
+def _volume_and_facts(data: Any) -> tuple[Volume, dict[str, str], tuple[str, ...]]:
+    """Volume; units and modality where a reader recorded them; notes on its components."""
+    if isinstance(data, Volume):
+        return data, {"units": "", "modality": ""}, ()
+    volume, noted = single_volume(data)
+    modal = "SEG" if segments(data) else modality(data)
+    if volume.colours is not None:
+        modal = "colours"
+    return volume, {"units": units(data), "modality": modal}, noted
+
+
+def _overlaid(dressed: Dressed, overlay: Any, preset: str | Look | None) -> Dressed:
+    volume, known, _ = _volume_and_facts(overlay)
+    return with_overlay(dressed, volume, preset, **known)
+
+
+def _segmentation(data: Any, volume: Volume) -> Segmentation:
+    """Segmentation of a label map that is rendered itself."""
+    return Segmentation(volume, () if isinstance(data, Volume) else tuple(segments(data)))
+
+
+def _framed(dressed: Dressed, view: View) -> Camera:
+    """Camera on the part of the volume that the look shows."""
+    width, height = dressed.scene.size
     return view_camera(
-        volume, view.view, azimuth=view.azimuth, elevation=view.elevation, roll=view.roll,
-        zoom=view.zoom, aspect=width / height,
-        corners=corners if len(corners) else None,
+        dressed.scene.volume, view.view, azimuth=view.azimuth, elevation=view.elevation,
+        roll=view.roll, zoom=view.zoom, aspect=width / height, corners=dressed.points,
     )  # fmt: skip
 
 
@@ -162,7 +197,9 @@ def render(
     if isinstance(data, Scene):
         dressed = Dressed(replace(data, **scene), 0.0, "none", ())
     else:
-        dressed = scene_of(data, **scene)
+        # Occlusion takes no mask
+        whole = {"whole": True} if technique == "occlusion" else {}
+        dressed = scene_of(data, **whole | scene)
     display = Display(dressed.exposure if exposure is None else exposure, background)
     if technique == "occlusion":
         _check_unused(samples=samples, seconds=seconds, nrms=nrms, adaptive=adaptive or None)

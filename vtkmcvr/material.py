@@ -151,7 +151,10 @@ def _check_curve(name: str, curve: Curve | None, least: float, most: float) -> N
 class Surface:
     """Hybrid scattering: surfaces where the gradient is strong (Exposure Render, Eq. 1, corrected).
 
-    Without a Surface, everything scatters by the phase function.
+    Without a Surface, everything scatters by the phase function. A surface is the Fresnel blend of
+    Ashikhmin and Shirley, diffuse below a coat: reciprocal, never reflecting more than arrives. It
+    loses energy, as in the paper, the more the lower the exponent and the flatter the angle, so
+    that a white one is darker than white; GGX microfacets lose some too.
 
     Parameters
     ----------

@@ -295,6 +295,7 @@ class LightTree(NamedTuple):
     bound: NDArray[np.float32]  # (m, 4) sphere around the cluster; radius < 0: no ray meets it
     cone: NDArray[np.float32]  # (m, 5) axis of emission, cosines of its spread and of its reach
     flux: NDArray[np.float32]  # (m,) irradiance, at unit distance where it decays
+    within: NDArray[np.float32]  # (m,) irradiance in the volume, on average
     law: NDArray[np.int32]  # (m,) how flux becomes irradiance; see `kernels.light_tree`
     links: NDArray[np.int32]  # (m, 3) next node beyond the cluster, parent, light of a leaf or -1
     leaf: NDArray[np.int32]  # (n,) node of each light

@@ -12,11 +12,10 @@ from . import packed
 from .lights import AreaLight, Texture
 from .lights.patch import Patch
 from .pack import f32
-from .plan_light_tree import DECAYING, Leaf
+from .plan_light_tree import DECAYING, LUMINANCE, Leaf
 from .volume import Volume
 
 KINDS = ("rectangle", "disk", "sphere", "cylinder")
-LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,10 @@ from .pack import f32
 
 # How flux becomes irradiance, as in `kernels.light_tree`
 DECAYING, STEADY, DISTANT, AROUND = range(4)
+LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+# Of a light that faces away: it may still be in sight of some places
+LEAST_COSINE = 0.02
+NEAR = 0.05
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,6 +37,8 @@ class Leaf:
         Largest angle between the axis and a light's own axis; pi: it emits all around.
     reach : float
         Largest angle to its own axis under which a light emits.
+    within : float
+        Irradiance that it sends to places of the volume, on average.
     """
 
     law: int
@@ -42,6 +48,19 @@ class Leaf:
     axis: NDArray = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
     spread: float = math.pi
     reach: float = math.pi / 2
+    within: float = 0.0
+
+    def seen_from(self, places: NDArray) -> Leaf:
+        """Return the same light with what it sends to places (n, 3)."""
+        if self.law != DECAYING:
+            return replace(self, within=self.flux)
+        way = places - self.centre
+        # A place stands for the space around it
+        nearest = NEAR * np.mean(np.sum(places * places, axis=1)) + self.radius**2
+        square = np.maximum(np.sum(way * way, axis=1), nearest)
+        cosine = way @ self.axis / np.sqrt(square)
+        facing = np.maximum(cosine, LEAST_COSINE) if self.spread < math.pi else 1.0
+        return replace(self, within=self.flux * float(np.mean(facing / square)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,9 +70,17 @@ class _Node:
     parts: tuple[_Node, ...] = ()
 
 
-def build_tree(leaves: list[Leaf]) -> packed.LightTree:
-    """Tree of all lights; those of one law are clustered by place or direction."""
-    nodes = [_Node(leaf, i) for i, leaf in enumerate(leaves)]
+def build_tree(leaves: list[Leaf], places: NDArray) -> packed.LightTree:
+    """Tree of all lights; those of one law are clustered by place or direction.
+
+    Parameters
+    ----------
+    leaves : list of Leaf
+    places : array (n, 3)
+        Where light is wanted, relative to the volume's centre: what a cluster that surrounds a
+        point sends there is estimated by what it sends to these on average.
+    """
+    nodes = [_Node(leaf.seen_from(places), i) for i, leaf in enumerate(leaves)]
     groups = [[n for n in nodes if n.bounds.law == law] for law in (DECAYING, STEADY, DISTANT)]
     around = [n for n in nodes if n.bounds.law == AROUND]
     clusters = [_cluster(group) for group in groups if group] + around
@@ -119,6 +146,7 @@ def _join(a: _Node, b: _Node) -> _Node:
         axis,
         spread if same else math.pi,
         max(x.reach, y.reach),
+        x.within + y.within,
     )
     return _Node(bounds, parts=(a, b))
 
@@ -180,6 +208,7 @@ def _flatten(root: _Node, lights: int) -> packed.LightTree:
         np.ascontiguousarray(np.multiply(bound, (1, 1, 1, 1 + 1e-4)), f32),
         np.ascontiguousarray(cone, f32),
         np.array([row.flux for row in rows], f32),
+        np.array([row.within for row in rows], f32),
         np.array([row.law for row in rows], np.int32),
         np.array(links, np.int32),
         leaf,

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from . import packed
 from .effects import Effect
-from .kernels.bvh import BINS, build
+from .kernels.bvh_build import BINS, build
 from .pack import f32
 from .receivers import BoxReceiver, MeshReceiver, PlaneReceiver, Receiver, SphereReceiver
 

@@ -16,7 +16,7 @@ from .cutting import rotation
 Vector = tuple[float, float, float]
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Receiver:
     """Base of all receivers: what the surface looks like.
 

@@ -16,6 +16,7 @@ from .content_hash import content_hash
 from .deserialise import MissingArray, from_plain
 from .picture import Display, Picture
 from .plan import Plan, plan
+from .presets.recorded import recorded_masks
 from .recipe import FORMAT, counts_of, film_hash
 from .recipe_files import read_recipe
 from .rendering import empty_film
@@ -75,7 +76,7 @@ def replay(
     """
     recipe = source if isinstance(source, dict) else read_recipe(source)
     part = _replay_part(recipe)
-    planned = _planned(part, [_values(item) for item in _items(data)])
+    planned = _planned(recipe, part, [_values(item) for item in _items(data)])
     seed = checks.whole("the recipe's seed", part.get("seed"), least=0)
     counts = counts_of(part.get("samples"), planned.scene.size)
     density = _density(part, planned.scene.size)
@@ -134,12 +135,15 @@ def _replay_part(recipe: dict[str, Any]) -> dict[str, Any]:
 # Scene
 
 
-def _planned(part: dict[str, Any], given: Sequence[NDArray[Any]]) -> Plan:
+def _planned(
+    recipe: dict[str, Any], part: dict[str, Any], given: Sequence[NDArray[Any]]
+) -> Plan:
     arrays = {content_hash(array): array for array in given}
     try:
         scene = from_plain(part.get("scene"), arrays)
     except MissingArray as missing:
         arrays |= _phantom_like(missing)
+        arrays |= recorded_masks(recipe, part.get("scene") or {}, list(arrays.values()))
         try:
             scene = from_plain(part.get("scene"), arrays)
         except MissingArray as still:

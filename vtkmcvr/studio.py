@@ -53,6 +53,17 @@ class Studio:
     cool: Colour = (0.82, 0.91, 1.0)
 
 
+@dataclass(frozen=True)
+class View:
+    """Where the camera stands; see `view_camera`."""
+
+    view: str = "front"
+    azimuth: float = 0.0
+    elevation: float = 0.0
+    roll: float = 0.0
+    zoom: float = 1.0
+
+
 def view_camera(
     volume: Volume,
     view: str = "front",
@@ -82,7 +93,8 @@ def view_camera(
     aspect : float
         Width over height of the film.
     corners : array (n, 3), optional
-        World points that shall fill the view. Default: the corners of the volume.
+        World points that shall fill the view; their middle as seen is the focal point.
+        Default: the corners of the volume.
     """
     if view not in VIEWS:
         raise ValueError(f"view is one of {', '.join(VIEWS)}; got {view!r}")
@@ -93,13 +105,19 @@ def view_camera(
     forward, up = _turn(forward, up, right, -math.radians(checks.number("elevation", elevation)))
     forward, up = _turn(forward, up, forward, -math.radians(checks.number("roll", roll)))
     corners = volume.corners if corners is None else np.asarray(corners, np.float64)
-    centre = (corners.min(0) + corners.max(0)) / 2
+    centre = _middle(corners, np.array([np.cross(forward, up), up, forward]))
     distance, height = _fit(corners - centre, forward, up, view_angle, aspect)
     angle = 2 * math.degrees(math.atan(height / zoom))
     position = centre - distance * forward
     return Camera(
         tuple(position.tolist()), tuple(centre.tolist()), tuple(up.tolist()), min(angle, 170.0)
     )
+
+
+def _middle(points: NDArray, axes: NDArray) -> NDArray:
+    """Middle of the box around points (n, 3) whose edges run along orthonormal axes (rows)."""
+    along = points @ axes.T
+    return (along.min(0) + along.max(0)) / 2 @ axes
 
 
 def projected(camera: Camera, projection: str) -> Camera:

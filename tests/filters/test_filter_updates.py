@@ -59,6 +59,7 @@ DOES_NOT = {
     "surfaces without shading": lambda p: p.render.SetGradientFactor(0.9),
     "same film": lambda p: p.render.SetFilmSize((32, 24)),
     "exposure": lambda p: p.tone.SetExposure(2.0),
+    "gamma": lambda p: p.tone.SetGamma(1.8),
     "background": lambda p: p.tone.SetBackground(0.1, 0.2, 0.3),
 }
 

@@ -126,10 +126,13 @@ def reference(coat, diffuse, wo, wi):
     return (np.array(diffuse) * (1 - rs) * body[..., None] + coat_part) * cos_i[..., None]
 
 
-@pytest.mark.parametrize(("theta", "expected"), [(0, 0.970), (45, 0.890), (75, 0.641)])
-def test_fresnel_blend_has_its_known_albedo(theta, expected):
-    # R_d = 1, R_s = 0.04, exponent 100, D = (e + 2) / 2 pi
-    albedo = directional_albedo(gloss(0.04, 100), colour(1), direction(theta))
+@pytest.mark.parametrize(
+    ("exponent", "theta", "expected"),
+    [(100, 0, 0.970), (100, 45, 0.890), (100, 75, 0.641), (1, 0, 0.946), (1, 75, 0.536)],
+)
+def test_fresnel_blend_has_its_known_albedo(exponent, theta, expected):
+    # R_d = 1, R_s = 0.04, D = (e + 2) / 2 pi
+    albedo = directional_albedo(gloss(0.04, exponent), colour(1), direction(theta))
     assert albedo == pytest.approx([expected] * 3, abs=0.005)
 
 

@@ -5,7 +5,8 @@ import pytest
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkFiltersSources import vtkSphereSource
 
-from vtkmcvr.kernels.bvh import LEAF_SIZE, nearest_triangle, triangle_normal
+from vtkmcvr.kernels.bvh import nearest_triangle, triangle_normal
+from vtkmcvr.kernels.bvh_build import LEAF_SIZE
 from vtkmcvr.kernels.jit import entry_point
 from vtkmcvr.plan_receivers import pack_receivers
 from vtkmcvr.receivers import MeshReceiver

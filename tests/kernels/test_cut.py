@@ -7,7 +7,8 @@ from scipy.spatial.transform import Rotation
 
 from vtkmcvr.curves import Curve
 from vtkmcvr.cutting import ALL_REGIONS, CROSS, FENCE, SUBVOLUME, Box, Cropping, Plane, Sphere
-from vtkmcvr.kernels.cut import clip_interval, cut_face, in_regions, outside_holes
+from vtkmcvr.kernels.cut import clip_interval, in_regions, outside_holes
+from vtkmcvr.kernels.cut_faces import cut_face
 from vtkmcvr.kernels.jit import entry_point
 from vtkmcvr.kernels.tracking import classify
 from vtkmcvr.labels import Labels

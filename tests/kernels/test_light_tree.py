@@ -167,8 +167,10 @@ def test_chances_of_all_lights_sum_to_one(packed):
     for x, on_surface, normal in places(200):
         total = chances(packed.tree, x, on_surface, normal, n).sum()
         _, chance = choices(packed.tree, x, on_surface, normal, SEED, 1000)
-        dead = np.mean(chance == 0)
-        assert abs(1 - total - dead) < 1e-5 + 4.5 * np.sqrt(max(dead * (1 - dead), 2e-3) / 1000)
+        dead = max(1 - total, 0)
+        # Binomial; 4.5 standard errors in 200 places are exceeded once in 700 choices of seeds
+        error = np.sqrt(max(dead * (1 - dead), 2e-3) / 1000)
+        assert abs(np.mean(chance == 0) - dead) < 1e-5 + 4.5 * error
         full += total > 0.95
     assert full > 150
 
@@ -222,11 +224,13 @@ def compare(packed, x, on_surface, normal, n=100_000):
     return mean, variance, total, even, error
 
 
-def test_choice_is_unbiased_and_never_much_worse_than_an_even_one(packed):
+def test_choice_is_unbiased_and_better_than_an_even_one(packed):
+    # Points among the lights, which lie at distances of 0.5 to 30: inside of most clusters. Without
+    # `LightTree.within` the first has 6 times the variance of an even choice, the fourth 13 times.
     for x, on_surface, normal in places(8, seed=1):
         mean, variance, total, even, error = compare(packed, x, on_surface, normal)
         assert abs(mean - total) < 4.5 * error
-        assert variance < 12 * even
+        assert variance < 0.5 * even
 
 
 def test_choice_among_lights_around_a_volume_is_better_than_an_even_one():

@@ -120,6 +120,43 @@ print(picture, picture.recipe, picture.plan.explain())""")
                 assert_clean(" ".join(str(arrays[name]) for name in arrays))
 
 
+def test_every_other_output_is_clean(
+    series: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Reports, movies, thumbnails, looks, segmented pictures and what is printed on the way."""
+    import vtkmcvr
+    from vtkmcvr.cli import main
+
+    out = tmp_path / "out"
+    out.mkdir()
+    labels = tmp_path / "labels.npy"
+    np.save(labels, (VOXELS > 0).astype(np.uint8))
+    small = ("--samples", "1", "--size", "8x8", "--threads", "1")
+    source = str(series)
+    commands = (
+        ("render", source, "-o", f"{out}/a.png", *small),
+        ("render", source, "-o", f"{out}/b.png", *small, "--bits", "16", "--whole"),
+        ("render", source, "-o", f"{out}/c.gif", *small, "--time", "all"),
+        ("presets", "ct-bone", "-o", f"{out}/thumbs", "--input", source, *small),
+        ("presets", "ct-bone", "-o", f"{out}/look.json"),
+        ("replay", f"{out}/b.png", "-o", f"{out}/f.png", "--input", source),
+        # These are refused, which is told without a name as well
+        ("render", source, "-o", f"{out}/g.png", *small, "--labels", str(labels), "--show", "9"),
+        ("render", source, "-o", f"{out}/g.png", *small, "--preset", f"{source}.xml"),
+    )
+    statuses = [main(list(command)) for command in commands]
+    assert statuses == [0] * 6 + [2] * 2
+    picture = vtkmcvr.render(vtkmcvr.read(series), samples=1, size=(8, 8), threads=1)
+    vtkmcvr.write_report(picture, out / "a.html")
+    assert_clean("".join(capsys.readouterr()))
+    files = [path for path in out.rglob("*") if path.is_file()]
+    assert len(files) == 7
+    for path in files:
+        for trace in TRACES:
+            assert trace.encode() not in path.read_bytes()
+            assert trace.encode("utf-16-le") not in path.read_bytes()
+
+
 def test_a_lone_patient_file_is_refused_without_its_name(tmp_path: Path) -> None:
     write_slice(tmp_path / "ct" / f"{SECRET}.dcm", VOXELS[0], positions(1)[0], **PLANTED)
     with pytest.raises(VolumeReadError) as caught:

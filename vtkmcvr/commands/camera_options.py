@@ -37,9 +37,9 @@ def camera_options(data: Any, options: dict[str, Any], args: argparse.Namespace)
         return options
     scene = scene_of(data, **options).scene
     camera = projected(scene.camera, args.projection)
-    if camera.panorama:
+    if camera.panorama and scene.scattering == "single":
         # Light from outside does not get to where the camera is: only what is near casts shadows
-        options["shadow_reach"] = scene.volume.radius * PANORAMA_REACH
+        options.setdefault("shadow_reach", scene.volume.radius * PANORAMA_REACH)
     if args.eyes:
         camera = replace(camera, stereo=Stereo(args.eyes))
     options["camera"] = camera

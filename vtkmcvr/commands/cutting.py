@@ -9,16 +9,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from ..cutting import Cropping, Shape
-    from ..labels import Labels
     from ..receivers import PlaneReceiver
-    from ..scene import TransferFunction, Volume
+    from ..scene import Volume
 
 AXES = "xyz"
-# Colours of labels 1, 2, 3 ..., around again after the last; linear RGB, told apart at a glance
-LABEL_COLOURS = (
-    (0.76, 0.11, 0.07), (0.05, 0.33, 0.68), (0.78, 0.58, 0.06), (0.06, 0.45, 0.14),
-    (0.42, 0.12, 0.55), (0.80, 0.28, 0.05), (0.05, 0.55, 0.55), (0.75, 0.30, 0.45),
-)  # fmt: skip
 
 
 def add_cutting_options(parser: argparse.ArgumentParser) -> None:
@@ -38,17 +32,29 @@ def add_cutting_options(parser: argparse.ArgumentParser) -> None:
         help="keep a range of voxels along each axis, such as 20:90,:,0:40",
     )
     add("--mask", metavar="FILE", help="volume on the same grid; its zeros hide voxels")
-    add("--labels", metavar="FILE", help="label map on the same grid; each label gets a colour")
+    add(
+        "--labels",
+        metavar="FILE",
+        help="segmentation, put onto the volume's grid; each label gets its colour, in the look's "
+        "opacity",
+    )
+    names = "names (* and ? stand for any letters) or numbers of labels, with commas between"
+    add("--show", metavar="NAMES", help=f"labels that become solids: {names}; or all")
+    add("--hide", metavar="NAMES", help="labels that are left out")
+    add("--highlight", metavar="NAMES", help="labels that are solid among faint ones")
     add("--floor", action="store_true", help="a floor under the volume, for its shadow")
 
 
 def cutting_options(data: Any, options: dict[str, Any], args: argparse.Namespace) -> dict[str, Any]:
     """`options` of `scene_of` with those of the command line added."""
-    if not (args.clip or args.crop or args.mask or args.labels or args.floor):
+    chosen = {part: getattr(args, part) for part in ("show", "hide", "highlight")}
+    asked = (args.clip, args.crop, args.mask, args.labels, args.floor, *chosen.values())
+    if not any(asked):
         return options
     from ..front import scene_of
     from ..scene import Volume
     from ..vtk_scene import volume_of
+    from .labelling import labelled
 
     volume = data if isinstance(data, Volume) else volume_of(data)
     options = {**options}
@@ -56,11 +62,13 @@ def cutting_options(data: Any, options: dict[str, Any], args: argparse.Namespace
         options["clip"] = tuple(shape for text in args.clip for shape in _clip(text, volume))
     if args.crop:
         options["crop"] = _crop(args.crop, volume)
+    flip = getattr(args, "flip", None)
+    # What lies beside the volume's file was stored the same way round
+    stored = volume.flipped(flip) if flip else volume
     if args.mask:
-        options["mask"] = _grid(args.mask, volume)
-    if args.labels:
-        transfer = scene_of(data, **options).scene.transfer
-        options["labels"] = coloured_labels(_grid(args.labels, volume), transfer)
+        options["mask"] = _grid(args.mask, stored)
+    if args.labels or any(chosen.values()):
+        options |= labelled(data, volume, stored, args.labels, chosen, options)
     if args.floor:
         options["receivers"] = (floor_under(scene_of(data, **options).scene),)
     return options
@@ -134,22 +142,6 @@ def _grid(path: str, volume: Volume) -> NDArray:
             f"{np.round(volume.corners[0], 3).tolist()}; resample it first"
         )
     return other.values
-
-
-def coloured_labels(values: NDArray, transfer: TransferFunction) -> Labels:
-    """Labels other than 0 in colours of their own, their opacity that of the look."""
-    from dataclasses import replace
-
-    import numpy as np
-
-    from ..curves import ColourCurve
-    from ..labels import Labels, whole_numbers
-
-    painted = [
-        replace(transfer, colour=ColourCurve(((0.0, *colour),))) for colour in LABEL_COLOURS
-    ]
-    found = [int(label) for label in np.unique(whole_numbers("labels", values)) if label]
-    return Labels(values, {label: painted[i % len(painted)] for i, label in enumerate(found)})
 
 
 def floor_under(scene: Any) -> PlaneReceiver:

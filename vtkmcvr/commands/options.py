@@ -9,22 +9,26 @@ from .camera_options import add_camera_options
 from .cutting import add_cutting_options
 from .inputs import add_input_options
 from .occlusion_options import add_occlusion_options
+from .transport_options import add_display_options, add_transport_options
 
 
 def add_scene_options(parser: argparse.ArgumentParser, *, all_times: bool = False) -> None:
     """Everything that decides what is seen."""
     add_input_options(parser, all_times=all_times)
     add = parser.add_argument
-    add("--preset", help="look; see `vtkmcvr presets`. Default: chosen from the values")
-    add("--size", type=_size, default=(800, 600), metavar="WxH", help="pixels, default 800x600")
-    add("--threads", type=int, help="default: all CPUs of the process")
     add(
-        "--view", default="front", help="front back left right top bottom: side of the patient seen"
+        "--preset",
+        metavar="NAME",
+        help="look, see `vtkmcvr presets`; or a file: .json, presets.xml#NAME or .vp of 3D "
+        "Slicer. Default: chosen from the values",
     )
-    add("--azimuth", type=float, default=0.0, help="degrees around the volume, to the right")
-    add("--elevation", type=float, default=0.0, help="degrees up")
-    add("--roll", type=float, default=0.0, help="degrees clockwise")
-    add("--zoom", type=float, default=1.0)
+    add("--size", type=parse_size, default=(800, 600), metavar="WxH", help="default 800x600")
+    add("--threads", type=int, help="default: all CPUs of the process")
+    add("--view", help="front back left right top bottom: side of the patient seen")
+    add("--azimuth", type=float, help="degrees around the volume, to the right")
+    add("--elevation", type=float, help="degrees up")
+    add("--roll", type=float, help="degrees clockwise")
+    add("--zoom", type=float, help="2 shows half the height")
     add(
         "--flip",
         metavar="AXES",
@@ -32,8 +36,12 @@ def add_scene_options(parser: argparse.ArgumentParser, *, all_times: bool = Fals
         "do not say which way they were stored",
     )
     add("--shift", type=float, help="added to the values to get HU; default: detected")
+    add("--whole", action="store_true", help="also what CT looks leave out: table, skin")
+    add("--overlay", metavar="VOLUME", help="a second volume in the same world, as PET over CT")
+    add("--overlay-preset", metavar="NAME", help="its look; default: chosen from its values")
     add("--environment", metavar="MAP", help="light by this .hdr or .exr panorama instead")
     add_camera_options(parser)
+    add_transport_options(parser)
     add_cutting_options(parser)
     add("--quiet", action="store_true", help="no progress and no report")
 
@@ -60,6 +68,7 @@ def add_render_options(parser: argparse.ArgumentParser) -> None:
         metavar="COLOUR",
         help="transparent, or sRGB as #rrggbb",
     )
+    add_display_options(parser)
     add("--bits", type=int, choices=(8, 16), default=8, help="of a .png")
     add("--denoise", choices=("knn", "oidn"), help="reduce noise, at a bias; the report says so")
     add("--aovs", action="store_true", help="also albedo and normal, in .exr, .vti and .npz")
@@ -72,7 +81,8 @@ def add_render_options(parser: argparse.ArgumentParser) -> None:
     add("--json", metavar="FILE", help="what was measured")
 
 
-def _size(text: str) -> tuple[int, int]:
+def parse_size(text: str) -> tuple[int, int]:
+    """Return width and height of text such as 800x600."""
     try:
         width, height = (int(part) for part in text.lower().split("x"))
     except ValueError:

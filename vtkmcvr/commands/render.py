@@ -12,10 +12,12 @@ from .occlusion_options import occlusion_options
 from .options import add_render_options
 from .scenes import demo_volume, flipped, scene_options
 from .terminal import Bar, Interrupt, say_to, write_json
+from .transport_options import displayed
 
 if TYPE_CHECKING:
     from ..occlusion import OcclusionPicture
     from ..picture import Picture
+    from ..scene import Scene
 
 DEMO_PICTURE = "vtkmcvr-demo.png"
 PREDICTED_NRMS = 0.01
@@ -53,7 +55,7 @@ def _demo_head(args: argparse.Namespace) -> Any:
     say_to(args)("synthetic CT head phantom (no patient), 192 x 192 x 192")
     if args.preset is None:
         args.preset = "ct-bone"
-    if args.azimuth == 0 and args.elevation == 0 and args.view == "front":
+    if args.azimuth is None and args.elevation is None and args.view is None:
         args.azimuth, args.elevation = -28.0, 6.0
     return demo_volume()
 
@@ -95,12 +97,16 @@ def make_picture(data: Any, args: argparse.Namespace, *, explain: bool = False) 
     return 0
 
 
-def picture_of(data: Any, args: argparse.Namespace) -> Picture | OcclusionPicture:
-    """Render as the arguments say."""
+def picture_of(
+    data: Any, args: argparse.Namespace, like: Scene | None = None
+) -> Picture | OcclusionPicture:
+    """Render as the arguments say, with transfer function, camera and lights of `like`."""
     from ..front import BACKDROP, render
 
     data = flipped(data, args.flip)
     options = scene_options(data, args)
+    if like is not None:
+        options |= {"transfer": like.transfer, "camera": like.camera, "lights": like.lights}
     background = {"preset": BACKDROP, "transparent": None}.get(args.background, args.background)
     stop = Interrupt()
     with stop, Bar(args.quiet) as bar:
@@ -110,6 +116,7 @@ def picture_of(data: Any, args: argparse.Namespace) -> Picture | OcclusionPictur
             background=background, progress=bar, abort=stop.is_set,
             **occlusion_options(args), **options,
         )  # fmt: skip
+    picture = displayed(picture, args)
     return picture.denoised(args.denoise) if args.denoise else picture
 
 

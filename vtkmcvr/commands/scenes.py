@@ -7,6 +7,8 @@ from typing import Any
 
 from .camera_options import camera_options
 from .cutting import cutting_options
+from .inputs import read_input
+from .transport_options import transport_options
 
 
 def demo_volume() -> Any:
@@ -35,8 +37,18 @@ def scene_options(data: Any, args: argparse.Namespace) -> dict[str, Any]:
         "preset": args.preset,
         "size": args.size,
         "shift": args.shift,
-        "view": View(args.view, args.azimuth, args.elevation, args.roll, args.zoom),
+        "whole": args.whole,
     }
+    turns = {
+        name: getattr(args, name)
+        for name in ("view", "azimuth", "elevation", "roll", "zoom")
+        if getattr(args, name) is not None
+    }
+    if turns:
+        options["view"] = View(**turns)
+    if args.overlay:
+        options["overlay"] = read_input(args.overlay, None)
+        options["overlay_preset"] = args.overlay_preset
     if getattr(args, "aovs", False) or getattr(args, "denoise", None) == "oidn":
         options["aovs"] = ("albedo", "normal")
     if args.environment:
@@ -44,4 +56,5 @@ def scene_options(data: Any, args: argparse.Namespace) -> dict[str, Any]:
         from ..lights import EnvironmentMap
 
         options["lights"] = [EnvironmentMap(read_environment(args.environment))]
+    options = transport_options(data, options, args)
     return cutting_options(data, camera_options(data, options, args), args)

@@ -15,13 +15,15 @@ from .terminal import say_to, write_json
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from ..scene import Scene
+
 MOVIES = (".gif", ".webp", ".mp4")
 SECONDS_PER_FRAME = (0.02, 2.0)
 USUAL_SECONDS = 0.1
 
 
 def make_sequence(args: argparse.Namespace) -> int:
-    """Render every volume with the look of the first; returns the exit status."""
+    """Render every volume as the first one: look, range of values, camera and lights."""
     from ..picture import check_suffix
     from ..readers import time_steps
 
@@ -35,9 +37,14 @@ def make_sequence(args: argparse.Namespace) -> int:
     times = time_steps(args.input, series=input_options(args).get("series"))
     frames: list[NDArray[np.uint8]] = []
     facts: list[dict[str, Any]] = []
+    first: Scene | None = None
     for index, time in enumerate(times):
-        picture = picture_of(read_as_asked(args.input, args, time=index), args)
-        args.preset = args.preset or picture.recipe["preset"]
+        picture = picture_of(read_as_asked(args.input, args, time=index), args, first)
+        if first is None:
+            args.preset = args.preset or picture.recipe["preset"]
+            # Solids of a label map are volumes of their own
+            first = picture.plan.scene if args.preset != "labels" else None
+            say(picture.recipe["notes"][0])
         if movie:
             frames.append(_opaque(picture.rgba))
             say(f"frame {index + 1} of {len(times)}: time {time:g}")

@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from .cut import cut_face
+from .cut_faces import cut_face
 from .grid import INFINITE, gradient
 from .jit import device, glue
 from .rng import stratified, stratified_pair

@@ -3,12 +3,12 @@
 import numpy as np
 
 from .environment import ambient_radiance, environment_pdf, environment_radiance
-from .event import visibility
 from .jit import device, glue
 from .light_tree import light_chance
 from .lights import area_light_radiance, blocked, light_pdf, nearest_light, sample_light
 from .scatter import sample_scatter, scatter_pdf, scatter_value, scatter_weight
 from .vec import BLACK, add, largest, mul, scale
+from .visibility import visibility
 
 f32 = np.float32
 ZERO, ONE = f32(0.0), f32(1.0)

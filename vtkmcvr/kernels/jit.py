@@ -14,6 +14,9 @@ from pathlib import Path
 
 from numba import njit
 from numba.core.caching import FunctionCache
+from numba.core.registry import CPUDispatcher
+
+from .linked import DeviceCacheImpl, DeviceCompiler, KernelCompiler
 
 # No "nnan" and no "ninf": kernels use NaN voxels and infinite distances on purpose.
 FAST_MATH = {"nsz", "contract", "arcp", "afn", "reassoc"}
@@ -41,11 +44,31 @@ class _StampedCache(FunctionCache):
         self._cache_file._version = f"{self._cache_file._version} {source_stamp()}"
 
 
-def _cached(dispatcher):
+class _StampedDeviceCache(_StampedCache):
+    _impl_class = DeviceCacheImpl
+
+
+class _KernelOnly(CPUDispatcher):
+    """A function that has no machine code of its own."""
+
+    def __call__(self, *args, **kwargs):
+        raise TypeError(
+            f"{self.py_func.__name__} is a part of kernels and cannot be called from Python; "
+            "call it from a function of your own that numba.njit compiles"
+        )
+
+
+def _cached(dispatcher, cache=_StampedCache):
     # With NUMBA_DISABLE_JIT=1 `njit` returns the plain function, which has no cache to stamp.
     if hasattr(dispatcher, "py_func"):
-        dispatcher._cache = _StampedCache(dispatcher.py_func)
+        dispatcher._cache = cache(dispatcher.py_func)
     return dispatcher
+
+
+def _kernel_only(dispatcher):
+    if hasattr(dispatcher, "py_func"):
+        dispatcher.__class__ = _KernelOnly
+    return _cached(dispatcher, _StampedDeviceCache)
 
 
 # Kernels allocate nothing, so Numba's reference counting is left out of them: it would count every
@@ -58,20 +81,25 @@ KERNEL = {
     "_nrt": False,
 }
 
+DEVICE = {
+    **KERNEL,
+    "forceinline": True,
+    "no_cpython_wrapper": True,
+    "pipeline_class": DeviceCompiler,
+}
+
 
 def device(function: Callable):
     """Compile a function that only kernels call, on the CPU and (re-compiled) on CUDA.
 
-    It gets no wrapper for Python, which takes as long to compile as the function itself. A call
-    from Python would crash; a test goes through a kernel or `entry_point` of its own.
+    It ends as LLVM code for kernels to link in (see `linked`); a call from Python is an error.
     """
-    return _cached(njit(forceinline=True, no_cpython_wrapper=True, **KERNEL)(function))
+    return _kernel_only(njit(**DEVICE)(function))
 
 
 def exact(function: Callable):
     """Compile a kernel-only function whose roundings must be those that are written down."""
-    options = {**KERNEL, "fastmath": False}
-    return _cached(njit(forceinline=True, no_cpython_wrapper=True, **options)(function))
+    return _kernel_only(njit(**{**DEVICE, "fastmath": False})(function))
 
 
 def glue(function: Callable):
@@ -86,7 +114,7 @@ def glue(function: Callable):
 
 def kernel(function: Callable):
     """Compile a function that Python calls, which runs without the GIL and allocates nothing."""
-    return _cached(njit(nogil=True, **KERNEL)(function))
+    return _cached(njit(nogil=True, pipeline_class=KernelCompiler, **KERNEL)(function))
 
 
 def entry_point(function: Callable):

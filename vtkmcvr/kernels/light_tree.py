@@ -14,7 +14,7 @@ from .rng import stratified
 from .vec import dot, scale, sub
 
 f32, i64 = np.float32, np.int64
-ZERO, HALF, ONE, TWO = f32(0.0), f32(0.5), f32(1.0), f32(2.0)
+ZERO, QUARTER, HALF, ONE = f32(0.0), f32(0.25), f32(0.5), f32(1.0)
 # How the flux of a cluster becomes irradiance: falls off with the square of the distance; is the
 # same everywhere, from a place or from a direction; comes from all around
 DECAYING, STEADY, DISTANT, AROUND = 0, 1, 2, 3
@@ -23,6 +23,7 @@ BEYOND, PARENT, LIGHT = 0, 1, 2
 EVEN_SHARE = f32(0.1)
 # Cosines are bounded up to rounding; what is barely in reach keeps a small chance
 SLACK, LEAST_COSINE = f32(-1e-3), f32(0.02)
+LEAST_RADIUS = f32(1e-30)
 
 
 @device
@@ -57,8 +58,12 @@ def importance(tree, k, x, on_surface, normal):
         radius = tree.bound[k, 3]
         square = dot(toward, toward)
         if square <= radius * radius:
-            # Somewhere around x: 1/d^2 has its mean between 1.5 and 3 times 1/r^2
-            return TWO * flux / (radius * radius) if law == DECAYING else flux
+            # Among the lights: more of them are on the side of the middle
+            flux = tree.within[k]
+            if on_surface:
+                aside = ONE + dot(normal, toward) / max(radius, LEAST_RADIUS)
+                flux *= max(QUARTER * aside * aside, LEAST_COSINE)
+            return flux
         if law == DECAYING:
             flux /= square
         away = math.sqrt(square)
@@ -75,10 +80,11 @@ def importance(tree, k, x, on_surface, normal):
 
     # At the surface
     if on_surface:
-        cosine = cosine_less(dot(normal, toward), cos_b, sin_b)
-        if cosine < SLACK:
+        middle = dot(normal, toward)
+        most = cosine_less(middle, cos_b, sin_b)
+        if most < SLACK:
             return ZERO
-        flux *= max(cosine, LEAST_COSINE)
+        flux *= max(QUARTER * most + (ONE - QUARTER) * max(middle, ZERO), LEAST_COSINE)
     return flux
 
 

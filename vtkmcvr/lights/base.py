@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 Vector = tuple[float, float, float]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Light:
     """Base of all lights.
 
