@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from . import film as films
 from . import packed, picture_files
+from .adaptive import Density, level_of
 from .plan import Plan
 from .recipe import recipe_of
 from .schedule import Progress
@@ -45,6 +46,8 @@ class Picture:
         "samples", "seconds", "nrms", "dark" (no path has found light) or "user".
     recipe : dict
         What the front door was asked for. A saved picture says more: see `vtkmcvr.recipe`.
+    density : array (H, W), optional
+        Of adaptive samples: how many a pixel gets for four of the mean pixel.
     """
 
     film: packed.Film
@@ -55,6 +58,7 @@ class Picture:
     seed: int
     threads: int
     recipe: dict[str, Any] = field(default_factory=dict)
+    density: Density | None = None
 
     @property
     def radiance(self) -> NDArray[np.float32]:
@@ -100,8 +104,8 @@ class Picture:
 
     @property
     def samples(self) -> int:
-        """Samples per pixel that every pixel has."""
-        return int(self.film.count.min())
+        """Samples per pixel that every pixel has; of the mean pixel where they are adaptive."""
+        return level_of(self.film.count, self.density)
 
     @property
     def rejected_samples(self) -> int:
@@ -195,6 +199,7 @@ class Picture:
         """What was measured, as plain JSON values; an unknown NRMS is None."""
         return {
             "samples": self.samples,
+            "adaptive": self.density is not None,
             "seconds": self.seconds,
             "paths_per_second": self.paths_per_second,
             "nrms": self.nrms if np.isfinite(self.nrms) else None,

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 from . import checks, packed, schedule
+from .adaptive import PILOT_SAMPLES, PILOT_SHARE, Density, density_of, pilot_seed
 from .film import copy_film, new_film
 from .picture import Display, Picture
 from .plan import Plan, plan
@@ -24,6 +26,7 @@ def render_scene(
     samples: int | None = None,
     seconds: float | None = None,
     nrms: float | None = None,
+    adaptive: bool = False,
     seed: int = 0,
     threads: int | None = None,
     display: Display | None = None,
@@ -42,6 +45,10 @@ def render_scene(
         Time to render, > 0; compilation is not counted.
     nrms : float, optional
         Error to reach, > 0, with 95 % confidence. Whichever rule is met first ends the render.
+    adaptive : bool
+        Samples go where a short pilot sees noise, and `samples` counts those of the mean pixel;
+        see `vtkmcvr.adaptive`. The pilot counts for `seconds`. Where it does not end within a
+        quarter of them, samples are spread evenly, and the log says so.
     seed : int
         >= 0. The same seed gives the same bits for any number of threads.
     threads : int, optional
@@ -67,11 +74,30 @@ def render_scene(
         schedule.default_threads() if threads is None else checks.whole("threads", threads, least=1)
     )
     planned = scene if isinstance(scene, Plan) else plan(scene)
+    density, piloted = _pilot(planned, rules, seed, threads) if adaptive else (None, 0.0)
+    if rules.seconds is not None:
+        rules = replace(rules, seconds=max(rules.seconds - piloted, 0.0))
     film = empty_film(planned)
-    stopped_by, spent = _run(planned, film, rules, seed, threads, progress)
+    stopped_by, spent = _run(planned, film, rules, seed, threads, progress, density)
     return Picture(
-        film, planned, display or Display(), spent, stopped_by, seed, threads, recipe or {}
-    )
+        film, planned, display or Display(), piloted + spent, stopped_by, seed, threads,
+        recipe or {}, density,
+    )  # fmt: skip
+
+
+def _pilot(
+    planned: Plan, rules: StopRules, seed: int, threads: int
+) -> tuple[Density | None, float]:
+    """Where samples should go, None where a short pilot could not tell in time; its seconds."""
+    film = empty_film(planned)
+    seconds = None if rules.seconds is None else PILOT_SHARE * rules.seconds
+    short = StopRules(PILOT_SAMPLES, seconds, rules.abort)
+    stopped_by, spent = schedule.run(planned.packed, film, short, pilot_seed(seed), threads)
+    if stopped_by == "samples":
+        return density_of(film), spent
+    if stopped_by == "seconds":
+        logger.warning("too little time for a pilot: samples are spread evenly")
+    return None, spent
 
 
 def empty_film(planned: Plan) -> packed.Film:
@@ -90,10 +116,12 @@ def continue_picture(
     """A picture with more samples; the one given stays as it is."""
     rules = _rules(samples, seconds, nrms, abort)
     film = copy_film(picture.film)
-    stopped_by, spent = _run(picture.plan, film, rules, picture.seed, picture.threads, progress)
+    stopped_by, spent = _run(
+        picture.plan, film, rules, picture.seed, picture.threads, progress, picture.density
+    )
     return Picture(
         film, picture.plan, picture.display, picture.seconds + spent, stopped_by,
-        picture.seed, picture.threads, picture.recipe,
+        picture.seed, picture.threads, picture.recipe, picture.density,
     )  # fmt: skip
 
 
@@ -104,10 +132,11 @@ def _run(
     seed: int,
     threads: int,
     progress: Callable[[Progress], object] | None,
+    density: Density | None,
 ) -> tuple[str, float]:
     """`schedule.run`, which says so where samples had to be rejected."""
     before = int(film.rejected.sum())
-    result = schedule.run(planned.packed, film, rules, seed, threads, progress)
+    result = schedule.run(planned.packed, film, rules, seed, threads, progress, density)
     rejected = int(film.rejected.sum()) - before
     if rejected:
         logger.warning(

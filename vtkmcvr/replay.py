@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import __version__, checks, schedule
+from .adaptive import Density, level_of
 from .content_hash import content_hash
 from .deserialise import MissingArray, from_plain
 from .occlusion import OcclusionPicture
@@ -87,18 +88,29 @@ def replay(
     planned = _planned(scene)
     seed = checks.whole("the recipe's seed", part.get("seed"), least=0)
     counts = counts_of(part.get("samples"), planned.scene.size)
+    density = _density(part, planned.scene.size)
     threads = threads or schedule.default_threads()
     film = empty_film(planned)
     start = time.perf_counter()
-    rules = StopRules(int(counts.min()), None, abort)
-    stopped_by, _ = schedule.run(planned.packed, film, rules, seed, threads, progress)
+    rules = StopRules(level_of(counts, density), None, abort)
+    stopped_by, _ = schedule.run(planned.packed, film, rules, seed, threads, progress, density)
     if stopped_by == "samples":
         schedule.fill_up(planned.packed, film, counts, seed)
     picture = Picture(
         film, planned, Display(), time.perf_counter() - start, stopped_by, seed, threads,
-        noted,
+        noted, density,
     )  # fmt: skip
     return Replayed(_shown(picture, part), *_verdict(film_hash(film), part))
+
+
+def _density(part: dict[str, Any], size: tuple[int, int]) -> Density | None:
+    plain = part.get("density")
+    if plain is None:
+        return None
+    density = counts_of(plain, size)
+    if density.min() < 1:
+        raise ValueError("the recipe has pixels that get no samples")
+    return density
 
 
 def _verdict(bits: str, part: dict[str, Any]) -> tuple[bool, tuple[str, ...]]:

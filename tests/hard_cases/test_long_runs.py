@@ -132,7 +132,7 @@ def test_films_that_do_not_fit_are_refused():
         merge(film, new_film(5, 4, packed.Sobol(0, 0, 16)))
     with pytest.raises(ValueError, match=r"only one of the films .* batches"):
         merge(film, new_film(4, 4))
-    with pytest.raises(ValueError, match=r"multiples of 16"):
+    with pytest.raises(ValueError, match=r"whole batches of 16"):
         merge(film, render(lit, 8).film)
 
 

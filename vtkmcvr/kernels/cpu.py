@@ -62,12 +62,12 @@ def accumulate_aov(plane, n, row, column, value):
 
 
 @kernel
-def render_tile(film, scene, row_0, row_1, column_0, column_1, target, seed):
-    """Bring every pixel of a tile up to `target` samples; continues where the film is."""
+def render_tile(film, scene, row_0, row_1, column_0, column_1, goal, seed):
+    """Bring every pixel of a tile up to its `goal` of samples; continues where the film is."""
     width = film.count.shape[1]
     for row in range(row_0, row_1):
         for column in range(column_0, column_1):
-            for sample in range(film.count[row, column], target):
+            for sample in range(film.count[row, column], goal[row, column]):
                 rng = start_path(scene.sobol, seed, row * width + column, sample)
                 origin, direction, rng = camera_ray(scene.camera, scene.lens, column, row, rng)
                 L, hit, depth, albedo, normal = radiance(scene, origin, direction, rng)
