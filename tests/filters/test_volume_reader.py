@@ -11,7 +11,9 @@ import pyvista
 from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline
 from vtkmodules.vtkImagingCore import vtkImageShiftScale
 
+import vtkmcvr
 from vtkmcvr.filters import VolumeReader
+from vtkmcvr.pyvista_readers import FORMATS
 from vtkmcvr.readers import VolumeReadError, notes
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "reading"))
@@ -136,7 +138,15 @@ def test_a_series_is_chosen(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["a.nrrd", "a.nii.gz", "a.mha"])
-def test_pyvista_reads_the_true_direction(tmp_path: Path, name: str) -> None:
-    image = pyvista.read(save(tmp_path / name))
+def test_pyvista_reads_the_true_direction_when_asked(tmp_path: Path, name: str) -> None:
+    file = save(tmp_path / name)
+    as_before = pyvista.read(file).direction_matrix
+    vtkmcvr.override_pyvista_readers()
+    try:
+        image = pyvista.read(file)
+    finally:
+        for extension in FORMATS:
+            pyvista.unregister_reader(extension)
+    np.testing.assert_allclose(pyvista.read(file).direction_matrix, as_before)
     np.testing.assert_allclose(image.direction_matrix, OBLIQUE, atol=1e-6)
     np.testing.assert_array_equal(values_of(image), VOXELS)

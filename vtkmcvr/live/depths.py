@@ -1,0 +1,141 @@
+"""Depth and colour of what VTK draws around the volumes, at a few places of every pixel."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtkmodules.vtkCommonCore import vtkFloatArray, vtkUnsignedCharArray
+from vtkmodules.vtkRenderingCore import vtkCamera, vtkProp, vtkRenderer
+
+from ..backdrop import Backdrop
+from .film_place import Place
+
+GL_MULTISAMPLE = 0x809D
+CENTRE = ((0.5, 0.5),)
+# The usual places of eight samples of a pixel (Direct3D 11, 3.4.4.1)
+SPREAD = tuple(
+    (0.5 + x / 16, 0.5 + y / 16)
+    for x, y in ((1, -3), (-1, 3), (5, 1), (-3, -5), (-5, 5), (-7, -1), (3, 7), (7, -7))
+)
+
+
+class DepthPass:
+    """A renderer that draws some props of another one into the same window, just to be read back.
+
+    It runs in the other's StartEvent, before that clears its part of the frame buffer, and is in no
+    window's collection.
+    """
+
+    def __init__(self) -> None:
+        self._renderer = vtkRenderer()
+        self._renderer.InteractiveOff()
+        self._renderer.AutomaticLightCreationOff()
+
+    def read(
+        self, renderer: vtkRenderer, place: Place, props: Sequence[vtkProp], offsets: Any
+    ) -> Backdrop:
+        """Backdrop of some props, one layer for each of `offsets`, positions in the pixel."""
+        layered = renderer.GetLayer() > 0 or renderer.GetPreserveColorBuffer()
+        before = _colours(renderer, place, whole=True) if layered else None
+        self._prepare(renderer, props)
+        layers = []
+        try:
+            for offset in offsets:
+                layers.append(self._draw(renderer, place, offset, before))
+        finally:
+            self._renderer.RemoveAllViewProps()
+            if before is not None:
+                _put_back(renderer, place, before)
+        depth, colour = (np.stack(parts) for parts in zip(*layers, strict=True))
+        return Backdrop(depth, colour, np.array(offsets))
+
+    def _prepare(self, renderer: vtkRenderer, props: Sequence[vtkProp]) -> None:
+        own = self._renderer
+        own.RemoveAllViewProps()
+        for prop in props:
+            own.AddViewProp(prop)
+        own.SetRenderWindow(renderer.GetRenderWindow())
+        own.SetViewport(renderer.GetViewport())
+        own.SetLightCollection(renderer.GetLights())
+        own.SetBackground(renderer.GetBackground())
+        own.SetBackground2(renderer.GetBackground2())
+        own.SetGradientBackground(renderer.GetGradientBackground())
+        own.SetBackgroundAlpha(renderer.GetBackgroundAlpha())
+        own.SetUseImageBasedLighting(renderer.GetUseImageBasedLighting())
+        own.SetEnvironmentTexture(renderer.GetEnvironmentTexture())
+
+    def _draw(
+        self, renderer: vtkRenderer, place: Place, offset: Sequence[float], before: Any
+    ) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
+        camera = vtkCamera()
+        camera.DeepCopy(renderer.GetActiveCamera())
+        shift = np.array(camera.GetWindowCenter())
+        # Film positions count from the top, window centres upward
+        shift += 2 * (np.array(offset) - 0.5) * (1, -1) / (place.width, place.height)
+        camera.SetWindowCenter(*shift)
+        self._renderer.SetActiveCamera(camera)
+        state = renderer.GetRenderWindow().GetState()
+        state.vtkglDisable(GL_MULTISAMPLE)
+        try:
+            self._renderer.Render()
+        finally:
+            state.vtkglEnable(GL_MULTISAMPLE)
+        depth = _depth(renderer, place, camera)
+        colour = _colours(renderer, place)
+        if before is not None:
+            nothing = np.isinf(depth)
+            colour[nothing] = before[::-1][nothing]
+        alpha = colour[..., 3:].astype(np.uint16)
+        colour[..., :3] = (colour[..., :3] * alpha + 127) // 255
+        return depth, colour
+
+
+def _depth(renderer: vtkRenderer, place: Place, camera: vtkCamera) -> NDArray[np.float32]:
+    """Distance along the view axis, (H, W), row 0 on top; inf where nothing was drawn."""
+    values = vtkFloatArray()
+    x, y, width, height = place
+    window = renderer.GetRenderWindow()
+    window.GetZbufferData(x, y, x + width - 1, y + height - 1, values)
+    z = vtk_to_numpy(values).reshape(height, width)[::-1].astype(np.float64)
+    near, far = camera.GetClippingRange()
+    if camera.GetParallelProjection():
+        depth = near + z * (far - near)
+    else:
+        depth = near * far / (far - z * (far - near))
+    # Props at the far end, such as a sky, are background
+    return np.where(z < 1.0, np.maximum(depth, 0.0), np.inf).astype(np.float32)
+
+
+def _colours(renderer: vtkRenderer, place: Place, whole: bool = False) -> NDArray[np.uint8]:
+    """Frame buffer, (H, W, 4); row 0 on top, or at the bottom for `whole`."""
+    values = vtkUnsignedCharArray()
+    x, y, width, height = place
+    window = renderer.GetRenderWindow()
+    window.GetRGBACharPixelData(x, y, x + width - 1, y + height - 1, 0, values)
+    pixels = vtk_to_numpy(values).reshape(height, width, 4)
+    return pixels.copy() if whole else pixels[::-1].copy()
+
+
+def _put_back(renderer: vtkRenderer, place: Place, pixels: NDArray[np.uint8]) -> None:
+    x, y, width, height = place
+    values = numpy_to_vtk(pixels.reshape(-1, 4), deep=True)
+    renderer.GetRenderWindow().SetRGBACharPixelData(
+        x, y, x + width - 1, y + height - 1, values, 0, 0
+    )
+
+
+def edges_of(backdrop: Backdrop) -> NDArray[np.bool_]:
+    """Pixels, (H, W), in which depth jumps from place to place, and their neighbours."""
+    nearest, farthest = backdrop.depth.min(axis=0), backdrop.depth.max(axis=0)
+    with np.errstate(invalid="ignore"):
+        jump = ~(farthest <= 1.01 * nearest) & np.isfinite(nearest)
+    grown = jump.copy()
+    grown[1:] |= jump[:-1]
+    grown[:-1] |= jump[1:]
+    grown[:, 1:] |= grown[:, :-1].copy()
+    grown[:, :-1] |= grown[:, 1:].copy()
+    return grown
