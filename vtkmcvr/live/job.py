@@ -126,6 +126,7 @@ class Job(Cancellable):
     ) -> None:
         super().__init__()
         self.plan, self.settings, self.edges = scene, settings, edges
+        self.exposure = settings.exposure_of(scene.scene)
         self.film = empty_film(scene)
         self.spent = 0.0
 
@@ -150,7 +151,7 @@ class Job(Cancellable):
         if why != "samples" or samples == self.settings.most_samples:
             self.stopped_by = why
         self.newest = Estimate(
-            picture_of(self.film, self.settings.exposure, self.edges), samples,
+            picture_of(self.film, self.exposure, self.edges), samples,
             image_error(self.film).nrms, self.done,
         )  # fmt: skip
 
@@ -158,7 +159,7 @@ class Job(Cancellable):
         """Return the picture so far, which shares the film."""
         threads = self.settings.threads or schedule.default_threads()
         return Picture(
-            self.film, self.plan, Display(self.settings.exposure), self.spent,
+            self.film, self.plan, Display(self.exposure), self.spent,
             self.stopped_by or "user", self.settings.seed, threads,
         )  # fmt: skip
 
@@ -201,7 +202,7 @@ class OcclusionJob(Cancellable):
         """Render the picture."""
         picture = render_occlusion(
             self.scene, self.settings.occlusion, threads=self.settings.threads,
-            display=Display(self.settings.exposure), abort=lambda: self.cancelled,
+            display=Display(self.settings.exposure_of(self.scene)), abort=lambda: self.cancelled,
         )  # fmt: skip
         if self.cancelled:
             return

@@ -44,7 +44,7 @@ class Preview:
         _, seconds = schedule.run(coarse.packed, film, rules, settings.seed, threads)
         paths = film.count.size
         self._rate = 0.5 * self._rate + 0.5 * paths / max(seconds, 1e-4)
-        return Estimate(picture_of(film, settings.exposure), 1 if scale == 1 else 0, math.inf, False)
+        return Estimate(picture_of(film, settings.exposure_of(scene)), 1 if scale == 1 else 0, math.inf, False)
 
     def _scale(self, size: tuple[int, int], seconds: float) -> int:
         """Edge of a pixel of the estimate, in the window's pixels."""
@@ -56,7 +56,7 @@ def _occlusion(scene: Scene, settings: LiveSettings) -> Estimate:
     own = settings.occlusion or Occlusion()
     quick = Occlusion(half_angle=own.half_angle, mode="fast", detail=OCCLUSION_DETAIL)
     picture = render_occlusion(
-        scene, quick, threads=settings.threads, display=Display(settings.exposure)
+        scene, quick, threads=settings.threads, display=Display(settings.exposure_of(scene))
     )
     return Estimate(picture.rgba, 0, math.nan, False)
 

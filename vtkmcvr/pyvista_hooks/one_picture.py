@@ -60,7 +60,7 @@ def render(
     )
     with _plotter(image, look, view, options) as plotter:
         scene = _scene(plotter, look, settings, view.window_size)
-    display = Display(settings.exposure, behind)
+    display = Display(settings.exposure_of(scene), behind)
     if technique == "monte-carlo":
         return render_scene(scene, display=display, **how)
     unused = [name for name in (*STOPS, "seed") if how.get(name) is not None]
