@@ -9,8 +9,8 @@ from vtkmodules.vtkCommonDataModel import vtkPolyData
 from vtkmodules.vtkRenderingCore import (
     VTK_SURFACE,
     vtkActor,
-    vtkActor2D,
     vtkProp,
+    vtkProp3D,
     vtkRenderer,
     vtkVolume,
 )
@@ -37,8 +37,9 @@ def opaque_props(renderer: vtkRenderer, apart_from: Any) -> list[vtkProp]:
     return [
         prop
         for prop in props_of(renderer)
-        if prop.GetVisibility()
-        and not isinstance(prop, vtkVolume | vtkActor2D)
+        if isinstance(prop, vtkProp3D)
+        and not isinstance(prop, vtkVolume)
+        and prop.GetVisibility()
         and prop is not apart_from
         and prop.HasOpaqueGeometry()
     ]

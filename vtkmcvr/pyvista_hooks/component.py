@@ -13,6 +13,7 @@ import pyvista as pv
 if TYPE_CHECKING:
     from ..live import LiveSettings, LiveWindow
     from .driver import Driver
+    from .tools import FocusPicking
     from ..occlusion import OcclusionPicture
     from ..picture import Picture
 
@@ -42,6 +43,7 @@ class PlotterComponent:
         self._settings: LiveSettings | None = None
         self._progressive: bool | None = None
         self._driver: Driver | None = None
+        self._picking: FocusPicking | None = None
 
     @property
     def enabled(self) -> bool:
@@ -101,6 +103,9 @@ class PlotterComponent:
             self._driver.close()
             self._live.close()
             self._live = self._settings = self._driver = None
+        if self._picking is not None:
+            self._picking.close()
+            self._picking = None
 
     @property
     def settings(self) -> LiveSettings:
@@ -139,6 +144,57 @@ class PlotterComponent:
         """Wait until all pictures are done, and draw them; False after `timeout` seconds."""
         return self._enabled().wait(timeout)
 
+    def add_light_widget(self, position: Any = None, *, intensity: float = 1.0) -> pv.Light:
+        """Add a lamp with a handle that the mouse drags; see `tools.add_light_widget`."""
+        from .tools import add_light_widget
+
+        self._enabled()
+        return add_light_widget(self._plotter, position, intensity)
+
+    def add_opacity_editor(self, volume: Any = None) -> pv.Chart2D:
+        """Add a chart whose points the mouse drags: opacity; see `tools.add_opacity_editor`."""
+        from .tools import add_opacity_editor
+
+        self._enabled()
+        return add_opacity_editor(self._plotter, volume)
+
+    def focus_at(self, column: int, row: int, aperture: float) -> float:
+        """Make what is seen in a pixel sharp, and blur what is nearer or further.
+
+        Parameters
+        ----------
+        column, row : int
+            Of the active subplot, from its upper left corner.
+        aperture : float
+            Radius of the lens, world units, > 0.
+
+        Returns
+        -------
+        float
+            Distance of the focal plane along the view axis.
+        """
+        return self._focus(self._view(), column, row, aperture)
+
+    def enable_focus_picking(self, aperture: float, *, button: str = "right") -> None:
+        """Focus on what is clicked, until `disable`.
+
+        Parameters
+        ----------
+        aperture : float
+            Radius of the lens, world units, > 0.
+        button : {"left", "middle", "right"}
+        """
+        from .tools import FocusPicking
+
+        live = self._enabled()
+
+        def focus(renderer: Any, column: int, row: int) -> None:
+            for view in live.views:
+                if view.renderer is renderer:
+                    self._focus(view, column, row, aperture)
+
+        self._picking = FocusPicking(self._plotter, focus, button)
+
     def __plotter_close__(self) -> None:
         """Let go of the plotter; called by PyVista."""
         self.disable()
@@ -151,6 +207,14 @@ class PlotterComponent:
     def _view(self) -> Any:
         live, active = self._enabled(), self._plotter.renderer
         return next(view for view in live.views if view.renderer is active)
+
+    def _focus(self, view: Any, column: int, row: int, aperture: float) -> float:
+        from ..camera import Lens
+        from .tools import focus_distance
+
+        distance = focus_distance(view.job, column, row)
+        self.enable(lens=Lens(aperture, distance))
+        return distance
 
     def _is_progressive(self) -> bool:
         plotter = self._plotter
