@@ -16,7 +16,7 @@ TECHNIQUES = ("monte-carlo", "occlusion")
 LIGHTING = ("scene", "studio")
 MESHES = ("drawn", "traced")
 SAMPLES = 256
-EXPOSURE, SHADED_EXPOSURE = 2.5, 1.0
+EXPOSURE, SHADED_EXPOSURE = 2.5, 1.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,8 +50,8 @@ class LiveSettings:
     lens : Lens, optional
         Depth of field, of the volumes. Default: the camera's own.
     exposure : float, optional
-        Stops; +1 doubles the brightness. Default: 1 where volumes have surfaces, which then are
-        about as bright as VTK's; 2.5 where all only scatter, a quarter of the light per steradian.
+        Stops; +1 doubles the brightness. Default: 1.5 where volumes have surfaces, which then
+        are about as bright as VTK's; 2.5 where all only scatter, a quarter of the light per steradian.
     text : bool, optional
         Whether the samples and the error so far stand in the corner. Default: where there is an
         interactive window.
