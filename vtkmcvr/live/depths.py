@@ -89,8 +89,8 @@ class DepthPass:
         if before is not None:
             nothing = np.isinf(depth)
             colour[nothing] = before[::-1][nothing]
-        alpha = colour[..., 3:].astype(np.uint16)
-        colour[..., :3] = (colour[..., :3] * alpha + 127) // 255
+        # Premultiplied; without multisampling there is no alpha between 0 and 1
+        colour[..., :3] *= colour[..., 3:] > 0
         return depth, colour
 
 
@@ -100,14 +100,18 @@ def _depth(renderer: vtkRenderer, place: Place, camera: vtkCamera) -> NDArray[np
     x, y, width, height = place
     window = renderer.GetRenderWindow()
     window.GetZbufferData(x, y, x + width - 1, y + height - 1, values)
-    z = vtk_to_numpy(values).reshape(height, width)[::-1].astype(np.float64)
+    buffer = vtk_to_numpy(values).reshape(height, width)[::-1]
     near, far = camera.GetClippingRange()
-    if camera.GetParallelProjection():
-        depth = near + z * (far - near)
-    else:
-        depth = near * far / (far - z * (far - near))
+    depth = np.full(buffer.shape, np.inf, np.float32)
     # Props at the far end, such as a sky, are background
-    return np.where(z < 1.0, np.maximum(depth, 0.0), np.inf).astype(np.float32)
+    there = buffer < 1.0
+    z = buffer[there].astype(np.float64)
+    if camera.GetParallelProjection():
+        z = near + z * (far - near)
+    else:
+        z = near * far / (far - z * (far - near))
+    depth[there] = np.maximum(z, 0.0)
+    return depth
 
 
 def _colours(renderer: vtkRenderer, place: Place, whole: bool = False) -> NDArray[np.uint8]:
@@ -125,6 +129,15 @@ def _put_back(renderer: vtkRenderer, place: Place, pixels: NDArray[np.uint8]) ->
     values = numpy_to_vtk(pixels.reshape(-1, 4), deep=True)
     renderer.GetRenderWindow().SetRGBACharPixelData(
         x, y, x + width - 1, y + height - 1, values, 0, 0
+    )
+
+
+def together(parts: Sequence[Backdrop]) -> Backdrop:
+    """Backdrop with the places of several ones."""
+    return Backdrop(
+        np.concatenate([part.depth for part in parts]),
+        np.concatenate([part.colour for part in parts]),
+        np.concatenate([part.offsets for part in parts]),
     )
 
 

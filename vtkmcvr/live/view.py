@@ -12,7 +12,7 @@ from ..backdrop import Backdrop
 from ..plan import Plan, plan
 from ..scene import Scene
 from .corner import CornerText
-from .depths import CENTRE, SPREAD, DepthPass, edges_of
+from .depths import CENTRE, SPREAD, DepthPass, edges_of, together
 from .film_place import Place, place_of
 from .job import Estimate, Job, OcclusionJob, is_compiled
 from .preview import Preview
@@ -21,6 +21,9 @@ from .quad import PictureQuad
 from .reading import SceneReader, scene_key
 from .refiner import Refiner
 from .settings import LiveSettings
+
+# Places of a pixel at which the meshes are looked at in one frame, so that no frame takes long
+PLACES = 2
 
 
 class LiveView:
@@ -59,6 +62,7 @@ class LiveView:
         self._quad, self._text = PictureQuad(), CornerText()
         self._key: tuple[Any, ...] | None = None
         self._plan: Plan | None = None
+        self._places: list[Backdrop] = []
         self._settled = True
         self._hidden: list[vtkProp] = []
         self._drawing = False
@@ -128,7 +132,7 @@ class LiveView:
             self._restart(place, volumes, surfaces, drawn)
             # Reading a scene may create functions that were never set
             self._key = scene_key(self.renderer, place, volumes, surfaces, drawn)
-        elif not self._settled:
+        elif not self._settled and self._looked_around(place, drawn):
             self._settle(place, volumes, surfaces, drawn)
         self._swap()
         self._hide([*volumes, *surfaces])
@@ -138,10 +142,11 @@ class LiveView:
         self.restarts += 1
         self.refiner.drop(self)
         self.job = self.shown = None
+        self._places = []
         self._quad.actor.VisibilityOff()
         self._check_technique(surfaces, drawn)
         if self.progressive():
-            backdrop = self._backdrop(place, drawn, CENTRE)
+            backdrop = self._backdrop(place, drawn, CENTRE) if drawn else None
             planned = self._planned(self._scene(place[2:], volumes, surfaces, backdrop))
             if is_compiled(planned):
                 self._show(self._preview.estimate(planned, self.settings))
@@ -153,7 +158,10 @@ class LiveView:
 
     def _settle(self, place: Place, volumes: Any, surfaces: Any, drawn: Any) -> None:
         """Make the picture in full, here or in the background."""
-        backdrop = self._backdrop(place, drawn, SPREAD)
+        rest = SPREAD[len(self._places) :]
+        self._places += [self._backdrop(place, drawn, [offset]) for offset in rest if drawn]
+        backdrop = together(self._places) if drawn else None
+        self._places = []
         scene = self._scene(place[2:], volumes, surfaces, backdrop)
         if self.settings.technique == "occlusion":
             self.job = OcclusionJob(scene, self.settings)
@@ -165,6 +173,14 @@ class LiveView:
             self.refiner.put(self, self.job)
         else:
             self.job.finish()
+
+    def _looked_around(self, place: Place, drawn: Any) -> bool:
+        """Look at a few more places of each pixel; whether all have been looked at."""
+        if not drawn or not self.progressive():
+            return True
+        more = SPREAD[len(self._places) :][:PLACES]
+        self._places += [self._backdrop(place, drawn, [offset]) for offset in more]
+        return len(self._places) == len(SPREAD)
 
     def _planned(self, scene: Scene) -> Plan:
         self._plan = plan(scene, self._plan)
@@ -210,8 +226,8 @@ class LiveView:
             self.renderer, tuple(size), volumes, surfaces, backdrop, self.settings
         )
 
-    def _backdrop(self, place: Place, drawn: Any, offsets: Any) -> Backdrop | None:
-        return self._depths.read(self.renderer, place, drawn, offsets) if drawn else None
+    def _backdrop(self, place: Place, drawn: Any, offsets: Any) -> Backdrop:
+        return self._depths.read(self.renderer, place, drawn, offsets)
 
     def _hide(self, props: list[vtkProp]) -> None:
         if self.shown is None:
