@@ -52,12 +52,13 @@ def ct_and_mesh(plotter: pv.Plotter, image: pv.ImageData) -> None:
     ct(plotter, image)
     centre, radius = np.array(image.center), image.length / 4
     axis = np.array((0.93, -0.3, 0.2))
-    plotter.add_mesh(
-        pv.Cylinder(center=centre + radius * axis, direction=axis, radius=radius / 30, height=radius),
-        color="gold", smooth_shading=True,
-    )  # fmt: skip
+    needle = pv.Cylinder(
+        center=centre + radius * axis, direction=axis, radius=radius / 30, height=radius
+    )
+    plotter.add_mesh(needle, color="gold", smooth_shading=True)
     ring = pv.ParametricTorus(ringradius=1.05 * radius, crosssectionradius=radius / 25)
-    plotter.add_mesh(ring.translate(centre + (0, 0, radius / 3)), color="tomato", smooth_shading=True)
+    ring = ring.translate(centre + np.array((0, 0, radius / 3)))
+    plotter.add_mesh(ring, color="tomato", smooth_shading=True)
 
 
 def several_volumes(plotter: pv.Plotter, image: pv.ImageData) -> None:

@@ -20,7 +20,15 @@ from .plan_receivers import glossy, pack_receivers
 from .plan_sampling import pack_sobol, sampling_effect
 from .plan_surface import pack_normal_map
 from .plan_transport import estimator_words, pack_marching, pack_scattering, scattering_effect
-from .plan_volume import MORE, PackedVolume, coat, pack_layers, pack_volume, packed_layer, shared_phase
+from .plan_volume import (
+    MORE,
+    PackedVolume,
+    coat,
+    pack_layers,
+    pack_volume,
+    packed_layer,
+    shared_phase,
+)
 from .scene import Scene
 from .tables import DEEPEST_VOXEL, Tables
 from .voxels import Voxels

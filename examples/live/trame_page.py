@@ -38,9 +38,10 @@ def scene(samples):
         show_scalar_bar=False, opacity_unit_distance=4,
     )  # fmt: skip
     centre = np.array(image.center)
-    needle = pv.Cylinder(center=centre + (70, -70, 20), direction=(1, -1, 0.3), radius=2, height=140)
+    place = centre + np.array((70, -70, 20))
+    needle = pv.Cylinder(center=place, direction=(1, -1, 0.3), radius=2, height=140)
     plotter.add_mesh(needle, color="gold", smooth_shading=True)
-    plotter.camera_position = [centre + (150, -520, 120), centre, (0, 0, 1)]
+    plotter.camera_position = [centre + np.array((150, -520, 120)), centre, (0, 0, 1)]
     # The one line
     plotter.mcvr.enable(samples=samples, progressive=True, text=True)
     return plotter

@@ -1,4 +1,4 @@
-"""Latency of a live picture: first estimate after a move of the camera, and of events while refining.
+"""Latency of a live picture: after a move of the camera, and of events while refining.
 
 python tests/bench/bench_live.py [--size 256] [--window 800x600] [--seconds 5]
 
@@ -31,7 +31,8 @@ def scene(edge, window, mesh):
         show_scalar_bar=False, opacity_unit_distance=4.0,
     )  # fmt: skip
     if mesh:
-        ball = pv.Sphere(radius=image.length / 9, center=np.array(image.center) + (60, -60, 0))
+        place = np.array(image.center) + np.array((60, -60, 0))
+        ball = pv.Sphere(radius=image.length / 9, center=place)
         plotter.add_mesh(ball, color="gold", smooth_shading=True)
     turn(plotter, image, 0.0)
     return plotter, image

@@ -1,4 +1,4 @@
-"""Small plotters. All their pictures have few sets of effects, each of which compiles for seconds."""
+"""Small plotters, whose pictures have few sets of effects: each compiles for seconds."""
 
 import numpy as np
 import pyvista as pv
@@ -8,7 +8,8 @@ SIZE = (96, 72)
 
 def fog(n=13, edge=2.0):
     """Constant volume of value 1 around the origin."""
-    image = pv.ImageData(dimensions=(n, n, n), spacing=(edge / (n - 1),) * 3, origin=(-edge / 2,) * 3)
+    spacing, origin = (edge / (n - 1),) * 3, (-edge / 2,) * 3
+    image = pv.ImageData(dimensions=(n, n, n), spacing=spacing, origin=origin)
     image["density"] = np.ones(n**3, np.float32)
     return image
 

@@ -1,7 +1,5 @@
 """`image.mcvr.render` takes PyVista's words as `add_volume` does."""
 
-import io
-
 import numpy as np
 import pytest
 import pyvista as pv
@@ -9,6 +7,7 @@ from plotters import SIZE, blob
 from vtkmodules.vtkCommonDataModel import vtkPlane
 
 import vtkmcvr
+from vtkmcvr.display import srgb_encode
 
 OPTIONS = {"window_size": SIZE, "samples": 4, "lighting": "three lights"}
 
@@ -17,10 +16,11 @@ def render(image=None, **options):
     return (blob() if image is None else image).mcvr.render(**{**OPTIONS, **options})
 
 
-def test_a_picture_shows_itself_and_becomes_an_image_and_an_array():
+def test_a_picture_shows_itself_and_becomes_an_image_and_an_array(tmp_path):
     picture = render(cmap="viridis", opacity="sigmoid", background="white")
     assert isinstance(picture, vtkmcvr.Picture) and picture.samples == 4
-    pixels = pv.read(io_file(picture._repr_png_()))
+    (tmp_path / "picture.png").write_bytes(picture._repr_png_())
+    pixels = pv.read(tmp_path / "picture.png")
     assert pixels.dimensions == (*SIZE, 1)
     array = np.asarray(picture)
     np.testing.assert_array_equal(array, picture.rgba)
@@ -28,15 +28,6 @@ def test_a_picture_shows_itself_and_becomes_an_image_and_an_array():
     assert isinstance(image, pv.ImageData) and image.dimensions == (*SIZE, 1)
     np.testing.assert_array_equal(image["rgba"].reshape(*SIZE[::-1], 4)[::-1], array)
     np.testing.assert_array_equal(array[0, 0], (255, 255, 255, 255))
-
-
-def io_file(data):
-    import tempfile
-    from pathlib import Path
-
-    path = Path(tempfile.mkdtemp()) / "picture.png"
-    path.write_bytes(data)
-    return path
 
 
 def test_words_mean_what_they_mean_to_add_volume():
@@ -50,7 +41,7 @@ def test_words_mean_what_they_mean_to_add_volume():
     np.testing.assert_allclose(scene.transfer.opacity(x), opacity, atol=1e-9)
     shown = [volume.prop.GetRGBTransferFunction().GetColor(v) for v in x]
     # Reflectance in linear light shows as the colour of the map
-    np.testing.assert_allclose(vtkmcvr.display.srgb_encode(scene.transfer.colour(x)), shown, atol=0.01)
+    np.testing.assert_allclose(srgb_encode(scene.transfer.colour(x)), shown, atol=0.01)
     assert scene.transfer.unit_distance == 0.3 and scene.surface is not None
     plotter.close()
 
@@ -74,7 +65,7 @@ def test_the_camera_is_pyvistas():
 def test_clipping_planes_keep_the_side_they_point_to():
     plane = vtkPlane()
     plane.SetNormal(1, 0, 0)
-    for planes in (plane, [plane], [("x", (0, 0, 0))], [((1, 0, 0), (0, 0, 0))]):
+    for planes in (plane, [plane, ("x", (-9, 0, 0))], [((1, 0, 0), (0, 0, 0))]):
         scene = render(clipping_planes=planes, samples=1).plan.scene
         assert scene.clip[0].normal == (1, 0, 0)
 
@@ -114,4 +105,3 @@ def test_occlusion_is_a_technique_too():
     picture = blob().mcvr.render(window_size=(48, 36), technique="occlusion", opacity="linear")
     assert isinstance(picture, vtkmcvr.OcclusionPicture)
     assert picture.alpha.max() > 0.1 and picture._repr_png_()[:4] == b"\x89PNG"
-    assert io.BytesIO(picture._repr_png_()).read(1) == b"\x89"

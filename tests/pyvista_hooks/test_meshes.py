@@ -17,7 +17,9 @@ RADIUS = 0.5
 
 
 def ball(resolution=200):
-    return pv.Sphere(radius=RADIUS, center=BALL, theta_resolution=resolution, phi_resolution=resolution)
+    return pv.Sphere(
+        radius=RADIUS, center=BALL, theta_resolution=resolution, phi_resolution=resolution
+    )
 
 
 def scene_with_ball(**camera):

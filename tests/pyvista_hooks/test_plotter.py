@@ -296,3 +296,21 @@ def test_bad_settings_are_refused(scene, settings, words):
 def test_before_enable_there_is_no_picture(scene):
     with pytest.raises(RuntimeError, match=r"enable\(\) first"):
         scene[0].mcvr.picture  # noqa: B018
+
+
+def test_a_background_image_stays_behind(scene, tmp_path):
+    target, _ = scene
+    picture = np.zeros((SIZE[1], SIZE[0], 3), np.uint8)
+    picture[:, : SIZE[0] // 2] = (0, 0, 200)
+    image = pv.ImageData(dimensions=(*SIZE, 1))
+    image.point_data["rgb"] = picture[::-1].reshape(-1, 3)
+    image.save(tmp_path / "behind.png")
+    target.add_background_image(str(tmp_path / "behind.png"))
+    target.add_mesh(pv.Sphere(radius=0.4, center=(0.5, 0.5, 0.8)), color="red", lighting=False)
+    plain = pixels(target)
+    target.mcvr.enable(samples=4)
+    ours = pixels(target)
+    # The corners show the image, as VTK draws it, but for the very border
+    for corner in (np.s_[1:6, 1:6], np.s_[-6:-1, 1:6], np.s_[1:6, -6:-1]):
+        np.testing.assert_array_equal(ours[corner], plain[corner])
+    assert np.abs(ours - plain).max() > 10

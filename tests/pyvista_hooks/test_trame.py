@@ -50,8 +50,9 @@ def test_a_served_page_shows_the_picture_and_follows_the_mouse(tmp_path):
     port = free_port()
     with open(tmp_path / "server.txt", "w+") as log:
         server = subprocess.Popen(
-            [sys.executable, str(PAGE), "--port", str(port), "--samples", "16"], stdout=log, stderr=log
-        )
+            [sys.executable, str(PAGE), "--port", str(port), "--samples", "16"],
+            stdout=log, stderr=log,
+        )  # fmt: skip
         try:
             wait_for_port(port, server)
             shots = asyncio.run(visit(f"http://127.0.0.1:{port}/", tmp_path / "profile"))
@@ -69,7 +70,6 @@ def test_a_served_page_shows_the_picture_and_follows_the_mouse(tmp_path):
 
 
 def wait_for_port(port, server):
-    import time
 
     for _ in range(600):
         assert server.poll() is None, "the server has ended"

@@ -40,7 +40,7 @@ class DepthPass:
     ) -> Backdrop:
         """Backdrop of some props, one layer for each of `offsets`, positions in the pixel."""
         layered = renderer.GetLayer() > 0 or renderer.GetPreserveColorBuffer()
-        before = _colours(renderer, place, whole=True) if layered else None
+        before = _colours(renderer, place) if layered else None
         self._prepare(renderer, props)
         layers = []
         try:
@@ -78,7 +78,8 @@ class DepthPass:
         shift += 2 * (np.array(offset) - 0.5) * (1, -1) / (place.width, place.height)
         camera.SetWindowCenter(*shift)
         self._renderer.SetActiveCamera(camera)
-        state = renderer.GetRenderWindow().GetState()
+        window: Any = renderer.GetRenderWindow()
+        state = window.GetState()
         state.vtkglDisable(GL_MULTISAMPLE)
         try:
             self._renderer.Render()
@@ -88,7 +89,7 @@ class DepthPass:
         colour = _colours(renderer, place)
         if before is not None:
             nothing = np.isinf(depth)
-            colour[nothing] = before[::-1][nothing]
+            colour[nothing] = before[nothing]
         # Premultiplied; without multisampling there is no alpha between 0 and 1
         colour[..., :3] *= colour[..., 3:] > 0
         return depth, colour
@@ -114,22 +115,20 @@ def _depth(renderer: vtkRenderer, place: Place, camera: vtkCamera) -> NDArray[np
     return depth
 
 
-def _colours(renderer: vtkRenderer, place: Place, whole: bool = False) -> NDArray[np.uint8]:
-    """Frame buffer, (H, W, 4); row 0 on top, or at the bottom for `whole`."""
+def _colours(renderer: vtkRenderer, place: Place) -> NDArray[np.uint8]:
+    """Frame buffer, (H, W, 4), row 0 on top."""
     values = vtkUnsignedCharArray()
     x, y, width, height = place
-    window = renderer.GetRenderWindow()
-    window.GetRGBACharPixelData(x, y, x + width - 1, y + height - 1, 0, values)
-    pixels = vtk_to_numpy(values).reshape(height, width, 4)
-    return pixels.copy() if whole else pixels[::-1].copy()
+    window: Any = renderer.GetRenderWindow()
+    window.GetRGBACharPixelData(x, y, x + width - 1, y + height - 1, 0, values, 0)
+    return vtk_to_numpy(values).reshape(height, width, 4)[::-1].copy()
 
 
 def _put_back(renderer: vtkRenderer, place: Place, pixels: NDArray[np.uint8]) -> None:
     x, y, width, height = place
-    values = numpy_to_vtk(pixels.reshape(-1, 4), deep=True)
-    renderer.GetRenderWindow().SetRGBACharPixelData(
-        x, y, x + width - 1, y + height - 1, values, 0, 0
-    )
+    values = numpy_to_vtk(np.ascontiguousarray(pixels[::-1]).reshape(-1, 4), deep=True)
+    window: Any = renderer.GetRenderWindow()
+    window.SetRGBACharPixelData(x, y, x + width - 1, y + height - 1, values, 0, 0, 0)
 
 
 def together(parts: Sequence[Backdrop]) -> Backdrop:

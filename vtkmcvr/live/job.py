@@ -140,9 +140,7 @@ class Job(Cancellable):
         goal = self._next(self.samples, most)
         rules = schedule.StopRules(goal, self._time_left(), self._aborted, self.settings.nrms)
         threads = self.settings.threads or schedule.default_threads()
-        why, seconds = schedule.run(
-            self.plan.packed, self.film, rules, self.settings.seed, threads
-        )
+        why, seconds = schedule.run(self.plan.packed, self.film, rules, self.settings.seed, threads)
         self.spent += seconds
         _compiled.add(structure(self.plan.packed))
         if self.cancelled:

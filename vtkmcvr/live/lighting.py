@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,7 @@ from ..lights import EnvironmentMap, Light
 from ..scene import Volume
 from ..studio import Studio, studio_lights
 from ..vtk_scene import default_headlight, lights_of
+from .props import identity
 
 # Rows of the map that the faces of a cube are looked up for, over those of a face
 ROWS_PER_FACE = 2
@@ -25,7 +26,7 @@ FACES = (
     ((0, 1, 0), (1, 0, 0), (0, 0, 1)), ((0, -1, 0), (1, 0, 0), (0, 0, -1)),
     ((0, 0, 1), (1, 0, 0), (0, -1, 0)), ((0, 0, -1), (-1, 0, 0), (0, -1, 0)),
 )  # fmt: skip
-# VTK's panoramas have +x in the middle and +z at three quarters, an EnvironmentMap +x at one quarter
+# Their +x is in the middle and +z at three quarters; +x of an EnvironmentMap is at one quarter
 FROM_PANORAMA = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
 
 
@@ -34,7 +35,7 @@ def lights_key(renderer: vtkRenderer) -> tuple[Any, ...]:
     lights = renderer.GetLights()
     values = []
     for index in range(lights.GetNumberOfItems()):
-        light = lights.GetItemAsObject(index)
+        light = cast(vtkLight, lights.GetItemAsObject(index))
         values.append((
             light.GetSwitch(), light.GetLightType(), light.GetPositional(), light.GetIntensity(),
             *_ends(light), light.GetDiffuseColor(), light.GetConeAngle(), light.GetExponent(),
@@ -43,7 +44,7 @@ def lights_key(renderer: vtkRenderer) -> tuple[Any, ...]:
     texture = renderer.GetEnvironmentTexture()
     if texture is None or not renderer.GetUseImageBasedLighting():
         return tuple(values), None
-    return tuple(values), (texture.__this__, texture.GetMTime(), _rotation(renderer).tobytes())
+    return tuple(values), (identity(texture), texture.GetMTime(), _rotation(renderer).tobytes())
 
 
 def _ends(light: vtkLight) -> tuple[Any, Any]:

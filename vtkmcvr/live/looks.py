@@ -17,6 +17,7 @@ from ..scene import Volume
 from ..vtk_cutting import clip_of, cropping_of, mask_of
 from ..vtk_scene import Look, VolumeCache, looks_of, matrix_of, refuse_mapper_features
 from ..vtk_volume import check_image
+from .props import identity
 
 # Nodes, about, of a colour function in linear light
 COLOURS = 512
@@ -54,7 +55,7 @@ class VolumeLooks:
         return self._layers
 
     def _translated(self, prop: vtkVolume, gradient_factor: float) -> tuple[Layer, ...]:
-        mapper, image = prop.GetMapper(), image_of(prop)
+        mapper, image = mapper_of(prop), image_of(prop)
         refuse_mapper_features(mapper)
         cuts = {"clip": clip_of(mapper)}
         mask, labels = mask_of(mapper, prop.GetProperty())
@@ -79,27 +80,35 @@ class VolumeLooks:
             matrix = matrix_of(prop.GetMatrix())
             self._looks = tuple(_placed(_in_linear_light(look), matrix) for look in looks)
             self._look_key = (
-                image, image.GetMTime(), look_time(prop), matrix_key(prop), gradient_factor
+                image,
+                image.GetMTime(),
+                look_time(prop),
+                matrix_key(prop),
+                gradient_factor,
             )
         return self._looks
 
 
 def volume_key(prop: vtkVolume) -> tuple[Any, ...]:
     """Everything about a vtkVolume that decides its picture, as values to compare."""
-    mapper = prop.GetMapper()
-    image = image_of(prop)
+    mapper, image = mapper_of(prop), image_of(prop)
     mask = getattr(mapper, "GetMaskInput", lambda: None)()
     crop = (mapper.GetCroppingRegionPlanes(), mapper.GetCroppingRegionFlags())
     return (
-        prop.__this__, image.__this__, image.GetMTime(), scalars_of(prop), look_time(prop),
+        identity(prop), identity(image), image.GetMTime(), scalars_of(prop), look_time(prop),
         matrix_key(prop), mapper.GetBlendMode(), mapper.GetCropping() and crop, plane_key(mapper),
-        mask and (mask.__this__, mask.GetMTime(), mapper.GetMaskType()),
+        mask and (identity(mask), mask.GetMTime(), mapper.GetMaskType()),
     )  # fmt: skip
+
+
+def mapper_of(prop: vtkVolume) -> Any:
+    """Mapper of a volume: a vtkVolumeMapper, or another one that `check_image` will refuse."""
+    return prop.GetMapper()
 
 
 def image_of(prop: vtkVolume) -> vtkImageData:
     """Up-to-date image of a volume; a TypeError that says what to do for any other data."""
-    mapper = prop.GetMapper()
+    mapper = mapper_of(prop)
     if mapper.GetNumberOfInputConnections(0):
         mapper.GetInputAlgorithm().Update()
     image = mapper.GetDataSetInput() if hasattr(mapper, "GetDataSetInput") else mapper.GetInput()
@@ -109,7 +118,7 @@ def image_of(prop: vtkVolume) -> vtkImageData:
 
 def scalars_of(prop: vtkVolume) -> str | None:
     """Name of the array that the mapper takes; None: the active one."""
-    mapper = prop.GetMapper()
+    mapper = mapper_of(prop)
     named = mapper.GetArrayAccessMode() == 1 and mapper.GetScalarMode() in (3, 4)
     return mapper.GetArrayName() or None if named else None
 
@@ -157,6 +166,7 @@ def _in_linear_light(look: Look) -> Look:
     if transfer.table is not None:
         rgba = np.dstack([srgb_decode(transfer.table.rgba[..., :3]), transfer.table.rgba[..., 3]])
         return look._replace(transfer=replace(transfer, table=replace(transfer.table, rgba=rgba)))
+    assert transfer.colour is not None
     return look._replace(transfer=replace(transfer, colour=linear_colours(transfer.colour)))
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, cast
 
 from vtkmodules.vtkCommonDataModel import vtkPolyData
 from vtkmodules.vtkRenderingCore import (
@@ -16,11 +16,16 @@ from vtkmodules.vtkRenderingCore import (
 )
 
 
+def identity(thing: Any) -> str:
+    """Name of a VTK object, the same as long as it exists; Python's own may change."""
+    return thing.__this__
+
+
 def props_of(renderer: vtkRenderer) -> Iterator[vtkProp]:
     """View props of a renderer, in its order."""
     props = renderer.GetViewProps()
     for index in range(props.GetNumberOfItems()):
-        yield props.GetItemAsObject(index)
+        yield cast(vtkProp, props.GetItemAsObject(index))
 
 
 def volumes_of(renderer: vtkRenderer) -> list[vtkVolume]:

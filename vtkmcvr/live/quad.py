@@ -8,11 +8,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from vtkmodules.util.numpy_support import numpy_to_vtk
-from vtkmodules.vtkCommonCore import vtkFloatArray, vtkPoints
+from vtkmodules.vtkCommonCore import vtkCommand, vtkFloatArray, vtkPoints
 from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkImageData, vtkPolyData
 from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper, vtkRenderer, vtkTexture
 
 TEXTURE = "volumes"
+UPDATE_SHADER = vtkCommand.UpdateShaderEvent
 CORNERS = ((0, 0), (1, 0), (1, 1), (0, 1))
 # The corners of the window, wherever the camera is
 PLACE = "gl_Position = vec4(tcoord * 2.0 - 1.0, 0.0, 1.0);\n"
@@ -76,11 +77,12 @@ class PictureQuad:
 
         def keep_depth(*_: Any) -> None:
             owner = seen()
-            if owner is not None and owner.GetRenderWindow() is not None:
-                owner.GetRenderWindow().GetState().vtkglDepthMask(0)
+            window: Any = None if owner is None else owner.GetRenderWindow()
+            if window is not None:
+                window.GetState().vtkglDepthMask(0)
 
         # VTK sets the depth mask for each actor
-        self._mapper_tag = self.actor.GetMapper().AddObserver("UpdateShaderEvent", keep_depth)
+        self._mapper_tag = self.actor.GetMapper().AddObserver(UPDATE_SHADER, keep_depth)
 
     def detach(self, renderer: vtkRenderer) -> None:
         """Draw no more."""

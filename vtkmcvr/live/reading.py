@@ -20,6 +20,7 @@ from ..vtk_scene import camera_of, matrix_of
 from .film_place import Place
 from .lighting import Environment, lights_key, scene_lights
 from .looks import VolumeLooks, volume_key
+from .props import identity
 from .settings import LiveSettings
 
 # Each ray belongs to one pixel, as a sample of VTK's multisampling does
@@ -49,13 +50,13 @@ def scene_key(
         tuple(map(volume_key, volumes)), lights_key(renderer),
         # Those that are traced are hidden for each frame, which counts as a change
         tuple(map(_surface_key, surfaces)),
-        tuple((p.__this__, p.GetMTime(), p.GetRedrawMTime()) for p in drawn),
+        tuple((identity(p), p.GetMTime(), p.GetRedrawMTime()) for p in drawn),
     )  # fmt: skip
 
 
 def _surface_key(actor: vtkActor) -> tuple[Any, ...]:
     data, look = actor.GetMapper().GetInput(), actor.GetProperty()
-    return actor.__this__, data.__this__, data.GetMTime(), look.GetMTime(), _matrix_key(actor)
+    return identity(actor), identity(data), data.GetMTime(), look.GetMTime(), _matrix_key(actor)
 
 
 def _matrix_key(actor: vtkActor) -> bytes:
@@ -103,9 +104,7 @@ class SceneReader:
         camera = camera_of(
             renderer.GetActiveCamera(), settings.lens, aspect=renderer.GetTiledAspectRatio()
         )
-        lights = scene_lights(
-            renderer, camera, first.volume, settings.lighting, self._environment
-        )
+        lights = scene_lights(renderer, camera, first.volume, settings.lighting, self._environment)
         return Scene(
             first.volume, first.transfer, camera, lights, first.surface,
             phase_of(volumes[0].GetProperty()), scattering=settings.scattering, size=size,
@@ -115,10 +114,12 @@ class SceneReader:
         )  # fmt: skip
 
     def _layers(self, volumes: Sequence[vtkVolume], settings: LiveSettings) -> list[Layer]:
-        known = {v.__this__: self._looks.get(v.__this__) or VolumeLooks() for v in volumes}
+        known = {identity(v): self._looks.get(identity(v)) or VolumeLooks() for v in volumes}
         self._looks = known
         return [
-            layer for v in volumes for layer in known[v.__this__].layers(v, settings.gradient_factor)
+            layer
+            for v in volumes
+            for layer in known[identity(v)].layers(v, settings.gradient_factor)
         ]
 
     def _receivers(self, surfaces: Sequence[vtkActor]) -> tuple[MeshReceiver, ...]:
@@ -128,12 +129,12 @@ class SceneReader:
             colour = actor.GetProperty().GetDiffuseColor()
             smooth = actor.GetProperty().GetInterpolation() > 0
             matrix = matrix_of(actor.GetMatrix())
-            key = (data.__this__, data.GetMTime(), colour, smooth, matrix.tobytes())
-            old = self._meshes.get(actor.__this__)
+            key = (identity(data), data.GetMTime(), colour, smooth, matrix.tobytes())
+            old = self._meshes.get(identity(actor))
             if old is None or old[0] != key:
                 linear = tuple(srgb_decode(np.array(colour)).tolist())
                 mesh = mesh_of(data, user_matrix=matrix, smooth=smooth, colour=linear)
                 old = (key, mesh)
-            known[actor.__this__] = old
+            known[identity(actor)] = old
         self._meshes = known
         return tuple(mesh for _, mesh in known.values())

@@ -75,7 +75,7 @@ class Refiner:
                     return
             try:
                 job.advance()
-            except BaseException as error:  # noqa: BLE001 - told to whoever looks next
+            except BaseException as error:
                 self.error = error
                 job.cancel()
             with self._change:

@@ -50,8 +50,8 @@ class LiveSettings:
     lens : Lens, optional
         Depth of field, of the volumes. Default: the camera's own.
     exposure : float, optional
-        Stops; +1 doubles the brightness. Default: 1.5 where volumes have surfaces, which then
-        are about as bright as VTK's; 2.5 where all only scatter, a quarter of the light per steradian.
+        Stops; +1 doubles the brightness. Default: 1.5 where volumes have surfaces, which then are
+        about as bright as VTK's; 2.5 where they only scatter, which sends less light back.
     text : bool, optional
         Whether the samples and the error so far stand in the corner. Default: where there is an
         interactive window.
@@ -101,8 +101,8 @@ class LiveSettings:
         """Exposure of a scene, stops."""
         if self.exposure is not None:
             return self.exposure
-        shaded = [part.surface is not None for part in (scene, *scene.layers)]
-        return SHADED_EXPOSURE if any(shaded) else EXPOSURE
+        surfaces = [scene.surface, *(layer.surface for layer in scene.layers)]
+        return EXPOSURE if surfaces.count(None) == len(surfaces) else SHADED_EXPOSURE
 
     def _check_kinds(self) -> None:
         if isinstance(self.lighting, str):

@@ -6,6 +6,7 @@ import warnings
 from collections.abc import Callable
 from typing import Any
 
+from vtkmodules.vtkCommonCore import vtkCommand
 from vtkmodules.vtkRenderingCore import vtkProp, vtkRenderer
 
 from ..backdrop import Backdrop
@@ -69,8 +70,8 @@ class LiveView:
         self._quad.attach(renderer)
         self._text.attach(renderer)
         self._tags = [
-            renderer.AddObserver("StartEvent", self._start),
-            renderer.AddObserver("EndEvent", self._end),
+            renderer.AddObserver(vtkCommand.StartEvent, self._start),
+            renderer.AddObserver(vtkCommand.EndEvent, self._end),
         ]
 
     @property
@@ -112,7 +113,7 @@ class LiveView:
         try:
             self._frame()
             self.error = None
-        except Exception as error:  # noqa: BLE001 - VTK would print it and go on
+        except Exception as error:
             self._fail(error)
         finally:
             self._drawing = False

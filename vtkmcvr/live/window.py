@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import Any
 
+from vtkmodules.vtkCommonCore import vtkCommand
 from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow, vtkRenderWindowInteractor
 
 from .refiner import Refiner
@@ -57,7 +58,7 @@ class LiveWindow:
     def start_timer(self, interactor: vtkRenderWindowInteractor) -> None:
         """Render again, from the event loop, whenever there is more to show."""
         if self._timer is None:
-            tag = interactor.AddObserver("TimerEvent", self._tick)
+            tag = interactor.AddObserver(vtkCommand.TimerEvent, self._tick)
             self._timer = interactor, tag, interactor.CreateRepeatingTimer(TICK)
 
     def wait(self, timeout: float | None = None) -> bool:

@@ -99,7 +99,9 @@ class ImageAccessor:
             lighting, clipping_planes,
         )  # fmt: skip
         view = View(window_size, cpos, zoom, parallel_projection)
-        behind = None if transparent_background else pv.Color(
-            background, default_color=pv.global_theme.background
-        ).float_rgb
+        behind = (
+            None
+            if transparent_background
+            else pv.Color(background, default_color=pv.global_theme.background).float_rgb
+        )
         return render(self._image, look, view, behind, options)

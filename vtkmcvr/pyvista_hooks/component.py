@@ -12,10 +12,10 @@ import pyvista as pv
 
 if TYPE_CHECKING:
     from ..live import LiveSettings, LiveWindow
-    from .driver import Driver
-    from .tools import FocusPicking
     from ..occlusion import OcclusionPicture
     from ..picture import Picture
+    from .driver import Driver
+    from .tools import FocusPicking
 
 # Backends of PyVista in a notebook that show what the server renders
 SERVED = ("trame", "server")

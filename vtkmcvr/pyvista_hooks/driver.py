@@ -5,9 +5,10 @@ from __future__ import annotations
 import asyncio
 import weakref
 from collections.abc import Callable
-from typing import Any
+from typing import Any, cast
 
 import pyvista as pv
+from vtkmodules.vtkCommonCore import vtkCommand
 
 from ..live import LiveWindow
 from ..live.window import TICK
@@ -30,8 +31,8 @@ class Driver:
         self, plotter: pv.Plotter, live: LiveWindow, progressive: Callable[[], bool]
     ) -> None:
         self._plotter, self._live, self._progressive = weakref.ref(plotter), live, progressive
-        self._window = plotter.render_window
-        self._tag = self._window.AddObserver("EndEvent", self._begin)
+        self._window = cast(Any, plotter.render_window)
+        self._tag = self._window.AddObserver(vtkCommand.EndEvent, self._begin)
         self._task: asyncio.Task[None] | None = None
 
     def close(self) -> None:

@@ -25,6 +25,7 @@ from ..vtk_lights import light_of
 
 KITS = ("light kit", "three lights", "none")
 STOPS = ("samples", "nrms", "seconds")
+RUN = ("seed", "threads", "progress", "abort")
 LOOK = ("exposure", "lens", "scattering", "gradient_factor", "occlusion")
 
 
@@ -54,7 +55,7 @@ def render(
     technique = options.pop("technique", TECHNIQUES[0])
     if technique not in TECHNIQUES:
         raise ValueError(f"technique is one of {', '.join(TECHNIQUES)}; got {technique!r}")
-    how = {name: options.pop(name) for name in (*STOPS, *_RUN) if name in options}
+    how = {name: options.pop(name) for name in (*STOPS, *RUN) if name in options}
     settings = LiveSettings(
         technique=technique, **{name: options.pop(name) for name in LOOK if name in options}
     )
@@ -69,16 +70,13 @@ def render(
     return render_occlusion(scene, settings.occlusion, display=display, **how)
 
 
-_RUN = ("seed", "threads", "progress", "abort")
-
-
 @contextmanager
 def _plotter(
     image: pv.ImageData, look: Look, view: View, options: dict[str, Any]
 ) -> Iterator[pv.Plotter]:
     """Plotter that holds the volume and never renders."""
-    kit = look.lighting if isinstance(look.lighting, str) and look.lighting in KITS else "none"
-    plotter = pv.Plotter(off_screen=True, window_size=list(view.window_size), lighting=kit)
+    kit: Any = look.lighting if isinstance(look.lighting, str) and look.lighting in KITS else "none"
+    plotter: Any = pv.Plotter(off_screen=True, window_size=list(view.window_size), lighting=kit)
     try:
         volume = plotter.add_volume(
             image, show_scalar_bar=False, render=False, **look.words, **options
@@ -97,9 +95,7 @@ def _plotter(
         plotter.close()
 
 
-def _scene(
-    plotter: pv.Plotter, look: Look, settings: LiveSettings, size: tuple[int, int]
-) -> Scene:
+def _scene(plotter: pv.Plotter, look: Look, settings: LiveSettings, size: tuple[int, int]) -> Scene:
     reader = SceneReader()
     lighting = look.lighting
     if isinstance(lighting, str) and lighting not in (*KITS, "studio"):
@@ -111,9 +107,7 @@ def _scene(
     elif lighting in KITS:
         lighting = "scene"
     settings = replace(settings, lighting=lighting)
-    scene = reader.scene(
-        plotter.renderer, size, volumes_of(plotter.renderer), (), None, settings
-    )
+    scene = reader.scene(plotter.renderer, size, volumes_of(plotter.renderer), (), None, settings)
     return replace(scene, pixel_filter=PixelFilter())
 
 
@@ -131,6 +125,16 @@ def _planes(planes: Any) -> Iterator[vtkPlane]:
             continue
         normal, origin = plane
         made = vtkPlane()
-        made.SetNormal(*pv.NORMALS.get(normal, normal) if isinstance(normal, str) else normal)
+        made.SetNormal(*_normal(normal))
         made.SetOrigin(*origin)
         yield made
+
+
+def _normal(normal: Any) -> tuple[float, ...]:
+    """Direction of "x", "-y" and the like, or of three numbers."""
+    if not isinstance(normal, str):
+        return tuple(normal)
+    sign, axis = (-1.0, normal[1:]) if normal.startswith("-") else (1.0, normal)
+    if axis not in ("x", "y", "z"):
+        raise ValueError(f"a normal is x, y, z, -x, -y, -z or three numbers; got {normal!r}")
+    return tuple(sign * (axis == name) for name in "xyz")

@@ -31,7 +31,7 @@ BUTTONS = {
 AROUND = 1
 
 
-def add_light_widget(plotter: pv.Plotter, position: Any, intensity: float) -> pv.Light:
+def add_light_widget(plotter: Any, position: Any, intensity: float) -> pv.Light:
     """Lamp in the active subplot that shines all around, with a handle to drag it by.
 
     Parameters
@@ -143,10 +143,10 @@ def _reduce(function: vtkPiecewiseFunction) -> None:
     count = function.GetSize()
     if count <= MOST_POINTS:
         return
-    rows = np.empty((count, 4))
+    rows: list[list[float]] = [[0.0] * 4 for _ in range(count)]
     for index, row in enumerate(rows):
         function.GetNodeValue(index, row)
-    kept = simplified(rows[:, :2])
+    kept = simplified(np.array(rows)[:, :2])
     function.RemoveAllPoints()
     for x, y in kept:
         function.AddPoint(x, y)
@@ -205,9 +205,7 @@ class FocusPicking:
     button : {"left", "middle", "right"}
     """
 
-    def __init__(
-        self, plotter: pv.Plotter, focus: Callable[[Any, int, int], object], button: str
-    ) -> None:
+    def __init__(self, plotter: Any, focus: Callable[[Any, int, int], object], button: str) -> None:
         if button not in BUTTONS:
             raise ValueError(f"button is one of {', '.join(BUTTONS)}; got {button!r}")
         self._focus, self._interactor = focus, plotter.iren.interactor
