@@ -103,7 +103,7 @@ def scene_lights(
 def _rotation(renderer: vtkRenderer) -> NDArray[np.float64]:
     """World from the directions of the environment texture."""
     m = renderer.GetEnvironmentRotationMatrix()
-    return np.array([[m.GetElement(i, j) for j in range(3)] for i in range(3)]).T
+    return np.array([[m.GetElement(i, j) for j in range(3)] for i in range(3)])
 
 
 def _environment(renderer: vtkRenderer) -> EnvironmentMap:
