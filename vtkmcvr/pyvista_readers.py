@@ -17,7 +17,7 @@ def override_pyvista_readers() -> None:
 
     PyVista reads .nrrd, .nhdr, .nii, .nii.gz, .mha, .mhd and .dcm itself, but without the direction
     of the axes and with other axes than LPS. This changes what it returns, so it happens only when
-    asked for. `pyvista.unregister_reader(".nrrd")` takes it back.
+    asked for, and until the process ends.
     """
     import pyvista
 
