@@ -148,3 +148,18 @@ def test_a_window_is_refined_by_its_own_timer(tmp_path):
     assert seen["text"].startswith("64 samples")
     # Generous: other programs may be running
     assert np.median(seen["views"]) < 1.0 and seen["gap"] < 1.0
+
+
+def test_occlusion_has_a_coarse_picture_first():
+    target = plotter()
+    add(target)
+    look(target)
+    target.mcvr.enable(technique="occlusion", progressive=True, text=True)
+    target.show(auto_close=False)
+    assert view_of(target).shown.samples == 0 and not target.mcvr.done
+    assert target.mcvr.wait(timeout=120)
+    assert target.mcvr.done and view_of(target).shown.words == "occlusion"
+    finished = pixels(target)
+    target.mcvr.enable(progressive=False)
+    np.testing.assert_array_equal(pixels(target)[:60], finished[:60])
+    target.close()

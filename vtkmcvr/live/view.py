@@ -149,7 +149,7 @@ class LiveView:
         if self.progressive():
             backdrop = self._backdrop(place, drawn, CENTRE) if drawn else None
             planned = self._planned(self._scene(place[2:], volumes, surfaces, backdrop))
-            if is_compiled(planned):
+            if self.settings.technique == "occlusion" or is_compiled(planned):
                 self._show(self._preview.estimate(planned, self.settings))
                 self._settled = False
                 return
