@@ -125,7 +125,7 @@ def test_several_views_are_refined_in_turn():
 @pytest.mark.skipif(shutil.which("Xvfb") is None, reason="no X server (Xvfb) for a window")
 def test_a_window_is_refined_by_its_own_timer(tmp_path):
     server = subprocess.Popen(
-        ["Xvfb", "-displayfd", "1", "-screen", "0", "800x600x24"],
+        ["Xvfb", "-noreset", "-displayfd", "1", "-screen", "0", "800x600x24"],
         stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
     )  # fmt: skip
     try:

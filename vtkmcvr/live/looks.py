@@ -14,7 +14,8 @@ from ..curves import ColourCurve
 from ..display import srgb_decode
 from ..layers import Layer
 from ..scene import Volume
-from ..vtk_cutting import clip_of, cropping_of, mask_of
+from ..vtk_cutting import clip_of, cropping_of
+from ..vtk_labels import mask_of
 from ..vtk_scene import Look, VolumeCache, looks_of, matrix_of, refuse_mapper_features
 from ..vtk_volume import check_image
 from .props import identity

@@ -14,7 +14,7 @@ from ..display import srgb_decode
 from ..layers import Layer
 from ..receivers import MeshReceiver
 from ..scene import Scene
-from ..vtk_cutting import mesh_of
+from ..vtk_mesh import mesh_of
 from ..vtk_property import phase_of
 from ..vtk_scene import camera_of, matrix_of
 from .film_place import Place
