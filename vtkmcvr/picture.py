@@ -23,6 +23,8 @@ from .screen import Display, shown
 __all__ = ["Display", "Picture", "check_suffix"]
 
 if TYPE_CHECKING:
+    import pyvista
+
     from .denoised_picture import DenoisedPicture
 
 SUFFIXES = (".png", ".exr", ".npz", ".vti")
@@ -194,6 +196,16 @@ class Picture:
             "normal": self.normal,
         }
         return {name: array for name, array in arrays.items() if array is not None}
+
+    def to_pyvista(self) -> pyvista.ImageData:
+        """Image of W x H x 1 points with all arrays; `rgba` is active."""
+        from .pyvista_hooks.convert import to_pyvista
+
+        return to_pyvista(self)
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
+        """Return `rgba`, for NumPy."""
+        return np.asarray(self.rgba, dtype)
 
     def facts(self) -> dict[str, Any]:
         """What was measured, as plain JSON values; an unknown NRMS is None."""

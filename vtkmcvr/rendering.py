@@ -102,7 +102,10 @@ def _pilot(
 
 def empty_film(planned: Plan) -> packed.Film:
     """Film without samples, with all that the scene asks for."""
-    return new_film(*planned.scene.size, planned.packed.sobol, planned.scene.aovs)
+    scene = planned.scene
+    return new_film(
+        *scene.size, planned.packed.sobol, scene.aovs, behind=scene.backdrop is not None
+    )
 
 
 def continue_picture(

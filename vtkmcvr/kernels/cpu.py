@@ -5,7 +5,8 @@ import math
 import numpy as np
 
 from ..packed import BATCH
-from .camera import camera_ray
+from .backdrop import accumulate_behind, ray_end
+from .camera import film_position, ray_through
 from .jit import device, kernel
 from .path import radiance
 from .rng import start_path
@@ -69,8 +70,13 @@ def render_tile(film, scene, row_0, row_1, column_0, column_1, goal, seed):
         for column in range(column_0, column_1):
             for sample in range(film.count[row, column], goal[row, column]):
                 rng = start_path(scene.sobol, seed, row * width + column, sample)
-                origin, direction, rng = camera_ray(scene.camera, scene.lens, column, row, rng)
-                L, hit, depth, albedo, normal = radiance(scene, origin, direction, rng)
+                x, y, rng = film_position(scene.camera, column, row, rng)
+                origin, d, rng = ray_through(scene.camera, scene.lens, column, x, y, rng)
+                end, layer, i, j = ray_end(scene.backdrop, x, y, d)
+                L, hit, depth, albedo, normal = radiance(scene, origin, d, end, rng)
                 accumulate(film, row, column, L, hit, depth)
                 accumulate_aov(film.albedo, sample + 1, row, column, albedo)
                 accumulate_aov(film.normal, sample + 1, row, column, normal)
+                accumulate_behind(
+                    film.behind, scene.backdrop, sample + 1, row, column, (layer, i, j), hit
+                )
