@@ -6,7 +6,7 @@ RUN := $(VENV)/bin/python -m
 TREE := build/lint
 INSTALL := $(RUN) pip install --quiet --disable-pip-version-check
 
-.PHONY: demo test slow sanitize numerics lint bench speed gpu clean
+.PHONY: demo test slow sanitize numerics lint bench accuracy speed gpu clean
 
 $(VENV)/installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -61,6 +61,11 @@ bench: $(VENV)/installed-test
 gpu: $(VENV)/installed-test
 	$(INSTALL) --editable ".[cuda]"
 	$(VENV)/bin/python tests/gpu -o gpu.json
+
+# docs/accuracy.md anew, in some 12 minutes on 2 quiet cores, once all kernels are compiled
+accuracy: $(VENV)/installed-test
+	$(INSTALL) --editable ".[peers,plot]"
+	$(VENV)/bin/python tests/bench/bench_accuracy.py
 
 # What each effect adds: docs/speed.md and docs/speed.json, from the volumes in VTKMCVR_DATA
 speed: $(VENV)/installed-test

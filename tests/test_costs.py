@@ -10,17 +10,24 @@ import subprocess
 
 import numpy as np
 import pytest
-from scenes import blob, medium, render, scene, slab
+from scenes import blob, frontal, medium, render, scene, slab
 
 from vtkmcvr.costs import stored, summary
 from vtkmcvr.costs.effects import effect_costs
-from vtkmcvr.costs.ladder import Reference
+from vtkmcvr.costs.families import LIGHTS, NUMBERS, RADII, apertures, families
+from vtkmcvr.costs.figures import pareto
+from vtkmcvr.costs.ladder import Reference, climb, make_reference
 from vtkmcvr.costs.study import fingerprint, study
 from vtkmcvr.costs.variants import BIAS, MODEL, SAME, variants
-from vtkmcvr.lights import ConstantEnvironment
+from vtkmcvr.lights import ConstantEnvironment, irradiance_at
+from vtkmcvr.occlusion import Occlusion
 from vtkmcvr.picture_files import write_png
+from vtkmcvr.plan import plan
 from vtkmcvr.prediction import estimate
+from vtkmcvr.rendering import empty_film, render_scene
 from vtkmcvr.report import error_map, write_report
+from vtkmcvr.scene import Camera
+from vtkmcvr.schedule import fill_up
 
 LIT = (ConstantEnvironment(1.0),)
 
@@ -47,8 +54,22 @@ def test_error_against_a_reference_leaves_its_noise_out():
     assert 0.02 * expected < spread < 0.25 * expected
 
 
+@pytest.mark.parametrize("seconds", [1e-9, 0.1])
+def test_noise_of_a_reference_is_known_from_the_first_sample_on(seconds):
+    # Square error of a reference against a far longer one, over its claim: 1024 grey values of
+    # differences of two pictures, whose squares spread by sqrt(2 / 1024) = 4.4 % and by more for
+    # their heavy tails
+    planned = plan(small(size=(32, 32)))
+    reference = make_reference(planned, seconds, 1)
+    truth = render_scene(planned, samples=max(64 * reference.samples, 2000), seed=5).film.mean
+    wrong = ((reference.radiance - truth) ** 2).mean()
+    assert reference.variance.mean() == pytest.approx(wrong, rel=0.4)
+    assert reference.samples >= 2
+
+
 def entry(kind, samples, seconds, estimated, measured, spread=0.0, group="scene", name="as it is"):
-    point = {"samples": samples, "seconds": seconds, "estimated": estimated, "measured": measured}
+    point = {"samples": samples, "seconds": seconds, "cpu_seconds": seconds}
+    point |= {"estimated": estimated, "measured": measured}
     return {"group": group, "name": name, "kind": kind, "points": [{**point, "spread": spread}]}
 
 
@@ -94,24 +115,50 @@ def test_variants_follow_the_scene():
     assert len({v.key for v in variants(small())}) == len(variants(small()))
 
 
-FEW = ("without an effect: no shadows", "denoiser: knn", "sampler: independent")
+FEW = (
+    "without an effect: no shadows",
+    "denoiser: knn",
+    "sampler: independent",
+    "sampler: adaptive",
+    "occlusion: fast, 60 degrees",
+)
+
+
+def pinhole(scene):
+    (first, *_) = apertures(dataclasses.replace(scene, camera=Camera((0, -9, 0), (0, 0, 0))))
+    return first
+
+
+def by_samples(patch):
+    """Let studies take samples instead of time, so that no other program decides what they see."""
+    patch.setattr("vtkmcvr.costs.study.make_reference", reference_of_samples)
+    patch.setattr("vtkmcvr.costs.study.climb", lambda *a, **k: climb(*a, **k, most=64))
+
+
+def reference_of_samples(plan, seconds, threads, abort=None):
+    a, b = (render_scene(plan, samples=256, seed=s, threads=1).film.mean for s in (77, 78))
+    return Reference((a + b) / 2, (a - b) ** 2 / 4, 512, 1.0)
+
+
+LONG = 1e4
 
 
 @pytest.fixture(scope="module")
 def done(tmp_path_factory):
     folder = tmp_path_factory.mktemp("study")
     with pytest.MonkeyPatch.context() as patch:
+        by_samples(patch)
         few = [v for v in variants(small()) if v.key in FEW]
         patch.setattr("vtkmcvr.costs.study.variants", lambda scene: few)
-        found = study(small(), budget=2.0, folder=folder, threads=1)
-        while found.left_out:
-            found = study(small(), budget=2.0, folder=folder, threads=1)
+        patch.setattr("vtkmcvr.costs.study.families", lambda scene: [pinhole(scene)])
+        found = study(small(), budget=LONG, folder=folder, threads=1)
+    assert not found.left_out
     return folder, found
 
 
 def test_study_measures_the_scene_and_its_variants(done):
     folder, found = done
-    assert set(found.results["measured"]) == {"scene: as it is", *FEW}
+    assert set(found.results["measured"]) == {"scene: as it is", *FEW, "aperture: pinhole"}
     rows = found.rows()
     assert rows[0].group == "scene" and not rows[0].biased
     last = rows[0].last
@@ -125,10 +172,76 @@ def test_no_shadows_differ_as_another_model(done):
     assert rows["no shadows"].biased and rows["no shadows"].kind == MODEL
 
 
+def test_occlusion_shows_its_bias_against_its_own_model(done):
+    _, found = done
+    (row,) = [row for row in found.rows() if row.group == "occlusion"]
+    # Thin: light through the cone is hardly shaded, and a blur of it is near to the truth
+    assert 0 < row.bias["nrms"] < 0.15 and row.bias["half_angle"] == 60
+    assert found.results["cones"]["60"]["samples"] > 0
+    assert summary.cone_seconds(row, found.results) > 0
+    assert summary.percent(row.bias["nrms"]) in str(found)
+
+
+def test_occlusion_of_a_scene_that_it_does_not_know_is_refused_with_the_reason(tmp_path):
+    shaded = [v for v in variants(small()) if v.occlusion is not None][:1]
+    panorama = small(camera=Camera((0, -5, 0), (0, 0, 0), panorama=True))
+    with pytest.MonkeyPatch.context() as patch:
+        by_samples(patch)
+        patch.setattr("vtkmcvr.costs.study.variants", lambda scene: shaded)
+        patch.setattr("vtkmcvr.costs.study.families", lambda scene: [])
+        found = study(panorama, budget=LONG, threads=1)
+    assert found.left_out == [] and "panorama" in found.results["refused"][shaded[0].key]
+    assert "panorama" in str(found)
+
+
+def test_occlusion_is_compared_by_mode_angle_and_slices():
+    asked = [v.occlusion for v in variants(small()) if v.occlusion is not None]
+    assert {o.mode for o in asked} == {"default", "fast", "paper"}
+    assert len({o.half_angle for o in asked}) == 3
+    assert len({o.slices for o in asked}) == 3
+    assert all(isinstance(o, Occlusion) for o in asked)
+
+
+def test_families_differ_in_one_quantity():
+    members = families(scene(camera=Camera((0, -9, 0), (0, 0, 0)), lights=LIT))
+    assert [v.name for v in members[:3]] == list(RADII)
+    radii = [v.scene.camera.lens.radius if v.scene.camera.lens else 0 for v in members[:3]]
+    assert radii == pytest.approx([0, 0.09, 0.36])
+    lit = [v.scene.lights for v in members if v.group == LIGHTS]
+    assert [len(lights) - 1 for lights in lit] == list(NUMBERS)
+    for lights in lit:
+        total = sum(irradiance_at(light, (0, 0, 0))[0] for light in lights[1:])
+        assert total == pytest.approx(math.pi, rel=1e-3)
+        places = {light.centre for light in lights[1:]}
+        assert len(places) == len(lights) - 1 and all(y < 0 for _, y, _ in places)
+    # A parallel view has no aperture
+    assert not any(v.group == "aperture" for v in families(scene(camera=frontal(), lights=LIT)))
+
+
+def test_pareto_front_has_what_nothing_beats():
+    times, errors = [1, 2, 3, 4, 5, 6], [0.5, 0.6, 0.3, 0.3, 0.1, 0.2]
+    points = [{"cpu_seconds": t, "measured": e} for t, e in zip(times, errors, strict=True)]
+    assert [p["cpu_seconds"] for p in pareto(points[::-1])] == [1, 3, 5]
+
+
+def test_maps_of_errors_hold_the_error(done):
+    folder, found = done
+    plane = stored.load_error(folder, "scene: as it is").astype(float)
+    assert plane.shape == (16, 20)
+    last = found.results["measured"]["scene: as it is"]["points"][-1]
+    reference = found.results["reference"]["nrms"]
+    # The map has the reference's noise in it
+    rms = math.sqrt((plane**2).mean())
+    assert rms == pytest.approx(math.hypot(last["measured"], reference), rel=0.02)
+    wide = Reference(np.ones((100, 700, 3)), np.zeros((100, 700, 3)), 1, 1.0)
+    reduced = stored.error_plane(wide.radiance + 0.25, wide)
+    assert reduced.shape == (33, 233) and np.allclose(reduced, 0.25)
+
+
 def test_study_says_what_it_left_out():
     found = study(small(), budget=1e-3, threads=1)
     assert list(found.results["measured"]) == ["scene: as it is"]
-    assert found.left_out == [v.key for v in variants(small())]
+    assert found.left_out == [v.key for v in (*variants(small()), *families(small()))]
     assert all(key in str(found) for key in found.left_out)
 
 
@@ -158,7 +271,10 @@ def test_tables_and_figures_are_written(done, tmp_path):
     for number in (found.rows()[0].seconds_to(0.1), found.rows()[0].seconds_to(0.01)):
         assert summary.seconds(number) in tables
     assert all(name in tables for name in ("as it is", "no shadows", "knn", "independent"))
-    for figure in found.draw(tmp_path):
+    figures = found.draw(tmp_path)
+    expected = {"convergence.png", "error-time.png", "aperture.png", "errors.png"}
+    assert {figure.name for figure in figures} == expected
+    for figure in figures:
         assert figure.read_bytes().startswith(b"\x89PNG") and figure.stat().st_size > 10_000
 
 
@@ -194,8 +310,24 @@ def test_prediction_is_close_to_what_happens():
 def test_prediction_by_fewer_pixels_is_close_too():
     lit = scene(lights=LIT, size=(400, 300))
     few = estimate(lit, 0.02, pilot_seconds=0.05)
-    assert few.pilot["size"][0] < 400
+    assert few.pilot["pixels"] < 400 * 300 / 2 and few.pilot["samples"] >= 64
     assert few.samples == pytest.approx(estimate(lit, 0.02, pilot_seconds=3.0).samples, rel=0.15)
+
+
+def test_prediction_does_not_mind_a_pilot_that_was_cut_off(monkeypatch):
+    # Two thirds of the rows have three times the samples of the others
+    lit = scene(lights=LIT, size=(64, 48))
+
+    def cut_off(planned, seconds, threads):
+        film = empty_film(planned)
+        goal = np.full(film.count.shape, 64, np.int64)
+        goal[16:] = 192
+        fill_up(planned.packed, film, goal, 7)
+        return film, 1.0
+
+    even = estimate(lit, 0.02, pilot_seconds=1.0).samples
+    monkeypatch.setattr("vtkmcvr.prediction._pilot", cut_off)
+    assert estimate(lit, 0.02).samples == pytest.approx(even, rel=0.15)
 
 
 def test_nothing_is_predicted_for_darkness():
@@ -240,6 +372,12 @@ def test_report_is_one_file_with_picture_error_effects_and_recipe(tmp_path):
     assert "no shadows" in text
 
 
+def test_report_says_that_samples_are_adaptive(tmp_path):
+    picture = render(scene(blob(), lights=LIT, size=(24, 18)), samples=16, adaptive=True)
+    path = write_report(picture, tmp_path / "r.html")
+    assert "16 adaptive samples on average" in path.read_text(encoding="utf-8")
+
+
 def test_error_map_is_dark_where_the_error_is_small():
     picture = render(scene(blob(), lights=LIT, size=(32, 24)), samples=64)
     shown = error_map(picture).astype(int).sum(-1)
@@ -255,7 +393,6 @@ def test_report_with_another_suffix_is_refused(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.slow
 def test_report_shows_both_pictures_in_a_browser(tmp_path):
     browser = shutil.which("chromium") or shutil.which("google-chrome")
     if browser is None:

@@ -21,7 +21,7 @@ EFFECTS = {
     "gradient environment", "environment map", "area lights", "light textures",
     "point and directional lights",
     "multiple importance sampling", "shadows", "depth of field", "visible environment",
-    "first-hit AOVs",
+    "backdrop", "first-hit AOVs",
     "even samples",
 }  # fmt: skip
 PARTS = {

@@ -20,6 +20,7 @@ _HOME = {
     "read_labels": "readers",
     "list_series": "readers",
     "time_steps": "readers",
+    "override_pyvista_readers": "pyvista_readers",
     "render": "front",
     "scene_of": "front",
     "render_scene": "rendering",
@@ -125,6 +126,7 @@ if TYPE_CHECKING:
     from .picture import Display, Picture
     from .prediction import estimate
     from .presets import Look, read_look, write_look
+    from .pyvista_readers import override_pyvista_readers
     from .readers import list_series, read, read_labels, time_steps
     from .receivers import BoxReceiver, MeshReceiver, PlaneReceiver, SphereReceiver
     from .recipe_files import read_recipe

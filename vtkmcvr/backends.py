@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import checks, packed, schedule
+from .adaptive import Density
 from .gpu.available import missing
 from .gpu.errors import CudaError, CudaUnavailable
 from .schedule import Progress, StopRules
@@ -53,6 +54,7 @@ def run(
     threads: int,
     progress: Callable[[Progress], object] | None = None,
     counts: NDArray[np.int64] | None = None,
+    density: Density | None = None,
 ) -> Rendered:
     """Add samples to a film until a rule is met.
 
@@ -61,7 +63,7 @@ def run(
     backend : {"auto", "cpu", "cuda"}
         "auto" takes CUDA where it can be used, and goes over to the CPU, with a line in the log,
         where CUDA then fails.
-    scene, film, rules, seed, threads, progress
+    scene, film, rules, seed, threads, progress, density
         See `vtkmcvr.schedule.run`; the film may be changed or not.
     counts : array (H, W), optional
         Samples of each pixel to go on to where the rule was "samples".
@@ -76,7 +78,7 @@ def run(
         absent = missing()
         if absent is None:
             try:
-                return _on_cuda(scene, film, rules, seed, progress, counts)
+                return _on_cuda(scene, film, rules, seed, progress, counts, density)
             except CudaError as error:
                 if backend == "cuda":
                     raise
@@ -84,7 +86,7 @@ def run(
                 logger.warning(note)
         elif backend == "cuda":
             raise CudaUnavailable(absent)
-    return _on_cpu(scene, film, rules, seed, threads, progress, counts, note)
+    return _on_cpu(scene, film, rules, seed, threads, progress, counts, density, note)
 
 
 def _on_cuda(
@@ -94,12 +96,15 @@ def _on_cuda(
     seed: int,
     progress: Callable[[Progress], object] | None,
     counts: NDArray[np.int64] | None,
+    density: Density | None,
 ) -> Rendered:
     from .gpu import launches
     from .gpu.device import CudaDevice
 
     device = CudaDevice()
-    film, stopped_by, seconds = launches.run(device, scene, film, rules, seed, progress, counts)
+    film, stopped_by, seconds = launches.run(
+        device, scene, film, rules, seed, progress, counts, density
+    )
     return Rendered(film, stopped_by, seconds, "cuda", device.name, "")
 
 
@@ -111,9 +116,10 @@ def _on_cpu(
     threads: int,
     progress: Callable[[Progress], object] | None,
     counts: NDArray[np.int64] | None,
+    density: Density | None,
     note: str,
 ) -> Rendered:
-    stopped_by, seconds = schedule.run(scene, film, rules, seed, threads, progress)
+    stopped_by, seconds = schedule.run(scene, film, rules, seed, threads, progress, density)
     if counts is not None and stopped_by == "samples":
         start = time.perf_counter()
         schedule.fill_up(scene, film, counts, seed)

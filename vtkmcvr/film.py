@@ -15,11 +15,15 @@ Image = NDArray[np.float32]
 
 
 def new_film(
-    width: int, height: int, sobol: packed.Sobol | None = None, aovs: Collection[str] = ()
+    width: int,
+    height: int,
+    sobol: packed.Sobol | None = None,
+    aovs: Collection[str] = (),
+    behind: bool = False,
 ) -> packed.Film:
     """Empty film of width x height pixels, for samples drawn as `sobol` says.
 
-    `aovs` names the planes to record, "albedo" and "normal".
+    `aovs` names the planes to record, "albedo" and "normal"; `behind`: also that of the backdrop.
     """
     plane, colour = (height, width), (height, width, 3)
     return packed.Film(
@@ -33,6 +37,7 @@ def new_film(
         albedo=np.zeros(colour, np.float64) if "albedo" in aovs else None,
         normal=np.zeros(colour, np.float64) if "normal" in aovs else None,
         batches=None if sobol is None else _new_batches(colour),
+        behind=np.zeros((height, width, 4), np.float64) if behind else None,
     )
 
 

@@ -37,19 +37,26 @@ def smooth_variance(film: packed.Film) -> Plane:
     The variance that few samples show is a poor one: a pixel that is lit by one path in twenty
     shows none at all in eight samples more often than not, and its interval of no width misses the
     truth. Neighbours are alike; their pooled variance makes 95 % intervals cover the truth in 95 %
-    of the pixels, on average, from eight samples on. Sums of squares and degrees of freedom are
-    added up, so that pixels count by their samples.
+    of the pixels, on average, from eight samples on. It is the mean of the variances of one sample:
+    pixels count alike, however many samples they have, so that a quiet one beside a noisy one that
+    was sampled more does not take over its variance.
     """
-    # Between batches where every pixel has two, otherwise between samples: an upper estimate
     n = film.count
-    squares, freedom, size = film.m2, n - 1, n.astype(np.float64)
-    if film.batches is not None and bool((_batches(film) > 1).all()):
-        squares, freedom, size = film.batches.m2, _batches(film) - 1, n / packed.BATCH
-    pooled = _box_sum(np.maximum(freedom, 0).astype(np.float64))
-    known = (pooled > 0)[..., None] & (n > 1)[..., None]
-    spread = np.stack([_box_sum(squares[..., c]) for c in range(3)], axis=-1)
-    mean_square = spread / np.maximum(pooled, 1)[..., None]
-    return np.where(known, mean_square / np.maximum(size, 1)[..., None], np.inf)
+    between_samples = _pooled(film.m2, n - 1, n.astype(np.float64))
+    if film.batches is None:
+        return between_samples
+    batches = _pooled(film.batches.m2, _batches(film) - 1, n / packed.BATCH)
+    # Below two batches as if samples were independent: an upper estimate
+    return np.where((_batches(film) > 1)[..., None], batches, between_samples)
+
+
+def _pooled(squares: Plane, freedom: NDArray[np.int64], size: Plane) -> Plane:
+    """Variance of a mean of `size` values, from the variances of the neighbours that have one."""
+    known = freedom > 0
+    own = squares / np.maximum(freedom, 1)[..., None]
+    sums = np.stack([_box_sum(own[..., c]) for c in range(3)], axis=-1)
+    pixels = np.maximum(_box_sum(known.astype(np.float64)), 1)
+    return np.where(known[..., None], sums / (pixels * np.maximum(size, 1))[..., None], np.inf)
 
 
 def _between_samples(film: packed.Film) -> Plane:

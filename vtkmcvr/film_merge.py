@@ -20,8 +20,9 @@ def merge(first: packed.Film, *others: packed.Film) -> packed.Film:
     Parameters
     ----------
     first, *others : vtkmcvr.packed.Film
-        Of one size, with the same planes. With Sobol points, numbers of samples are multiples of
-        `vtkmcvr.packed.BATCH`: half a batch cannot be completed by that of another seed.
+        Of one size, with the same planes. Pixels may have any number of samples; with Sobol points,
+        what is left over of batches of `vtkmcvr.packed.BATCH` must not fill another one: half a
+        batch cannot be completed by that of another seed.
 
     Returns
     -------
@@ -43,15 +44,18 @@ def merge(first: packed.Film, *others: packed.Film) -> packed.Film:
 def _check(film: packed.Film, other: packed.Film) -> None:
     if film.count.shape != other.count.shape:
         raise ValueError(
-            f"films of one size can be merged, got {film.count.shape[::-1]} and "
-            f"{other.count.shape[::-1]}"
+            "films of one size can be merged, got {1} x {0} and {3} x {2}".format(
+                *film.count.shape, *other.count.shape
+            )
         )
     for name in ("albedo", "normal", "batches"):
         if (getattr(film, name) is None) != (getattr(other, name) is None):
             raise ValueError(f"only one of the films to be merged has {name}")
-    if film.batches is not None and any((f.count % packed.BATCH).any() for f in (film, other)):
+    left = film.count % packed.BATCH + other.count % packed.BATCH
+    if film.batches is not None and (left >= packed.BATCH).any():
         raise ValueError(
-            f"films of Sobol points can be merged after multiples of {packed.BATCH} samples"
+            f"films of Sobol points merge by whole batches of {packed.BATCH} samples, got pixels "
+            f"with {int(left.max())} left over"
         )
 
 

@@ -54,7 +54,8 @@ def autofocus(scene: Scene, pixel: tuple[int, int], *, radius: float = 1.0, seed
     )  # fmt: skip
     packed = plan(bare).packed
     film = new_film(*scene.size, packed.sobol)
-    render_tile(film, packed, row, row + 1, column, column + 1, SAMPLES, np.int64(seed))
+    goal = np.full(film.count.shape, SAMPLES, np.int64)
+    render_tile(film, packed, row, row + 1, column, column + 1, goal, np.int64(seed))
     if not film.hits[row, column]:
         raise ValueError(f"nothing to focus on: pixel ({column}, {row}) shows no volume")
     return float(film.depth[row, column]) * _cosine(bare, column, row)

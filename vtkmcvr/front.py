@@ -144,6 +144,7 @@ def render(
     samples: int | None = None,
     seconds: float | None = None,
     nrms: float | None = None,
+    adaptive: bool = False,
     seed: int = 0,
     threads: int | None = None,
     backend: str = "auto",
@@ -168,6 +169,8 @@ def render(
         Time to render.
     nrms : float, optional
         Error to reach, such as 0.02. Whichever of the three is met first ends the render.
+    adaptive : bool
+        Samples go where the noise is; `samples` counts those of the mean pixel.
     seed : int
         The same seed gives the same bits on any number of threads.
     threads : int, optional
@@ -202,7 +205,7 @@ def render(
         dressed = scene_of(data, **whole | scene)
     display = Display(dressed.exposure if exposure is None else exposure, background)
     if technique == "occlusion":
-        _check_unused(samples, seconds, nrms)
+        _check_unused(samples=samples, seconds=seconds, nrms=nrms, adaptive=adaptive or None)
         backends.check_unused(backend, technique)
         result = render_occlusion(
             dressed.scene, occlusion, threads=threads, display=display, progress=progress,
@@ -212,14 +215,14 @@ def render(
     if occlusion is not None:
         raise ValueError('occlusion=... needs technique="occlusion"')
     picture = render_scene(
-        dressed.scene, samples=samples, seconds=seconds, nrms=nrms, seed=seed, threads=threads,
-        backend=backend, display=display, progress=progress, abort=abort,
+        dressed.scene, samples=samples, seconds=seconds, nrms=nrms, adaptive=adaptive, seed=seed,
+        threads=threads, backend=backend, display=display, progress=progress, abort=abort,
     )  # fmt: skip
     return replace(picture, recipe=_recipe(picture, dressed, samples, seconds, nrms))
 
 
-def _check_unused(samples: int | None, seconds: float | None, nrms: float | None) -> None:
-    for name, value in (("samples", samples), ("seconds", seconds), ("nrms", nrms)):
+def _check_unused(**options: float | None) -> None:
+    for name, value in options.items():
         if value is not None:
             raise ValueError(
                 f"technique occlusion has no {name} (got {value}); its accuracy is set by "

@@ -401,6 +401,16 @@ class Scene(NamedTuple):
     receivers: Receivers | None
     mesh: Mesh | None
     more: tuple[Layer, ...] | None
+    backdrop: Backdrop | None
+
+
+class Backdrop(NamedTuple):
+    """Opaque things that another renderer draws: camera rays end there."""
+
+    depth: NDArray[np.float32]  # (places, H, W) along the view axis
+    colour: NDArray[np.uint8]  # (places, H, W, 4) as displayed
+    offsets: NDArray[np.float64]  # (places, 2) position in the pixel
+    axis: Vector64
 
 
 class Batches(NamedTuple):
@@ -424,6 +434,7 @@ class Film(NamedTuple):
     albedo: NDArray[np.float64] | None
     normal: NDArray[np.float64] | None  # world-space unit vectors toward the camera
     batches: Batches | None  # where samples of a batch depend on each other
+    behind: NDArray[np.float64] | None  # (H, W, 4) mean of the backdrop, 0 for a hit
 
 
 class Integrals(NamedTuple):

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from . import film as films
 from . import packed, picture_files
+from .adaptive import Density, level_of
 from .plan import Plan
 from .recipe import recipe_of
 from .schedule import Progress
@@ -22,6 +23,8 @@ from .screen import Display, shown
 __all__ = ["Display", "Picture", "check_suffix"]
 
 if TYPE_CHECKING:
+    import pyvista
+
     from .denoised_picture import DenoisedPicture
 
 SUFFIXES = (".png", ".exr", ".npz", ".vti")
@@ -49,6 +52,8 @@ class Picture:
         "cpu" or "cuda".
     device : str
         Name of the CUDA device; "" for the CPU.
+    density : array (H, W), optional
+        Of adaptive samples: how many a pixel gets for four of the mean pixel.
     """
 
     film: packed.Film
@@ -59,6 +64,7 @@ class Picture:
     seed: int
     threads: int
     recipe: dict[str, Any] = field(default_factory=dict)
+    density: Density | None = None
     backend: str = "cpu"
     device: str = ""
 
@@ -106,8 +112,8 @@ class Picture:
 
     @property
     def samples(self) -> int:
-        """Samples per pixel that every pixel has."""
-        return int(self.film.count.min())
+        """Samples per pixel that every pixel has; of the mean pixel where they are adaptive."""
+        return level_of(self.film.count, self.density)
 
     @property
     def rejected_samples(self) -> int:
@@ -202,10 +208,21 @@ class Picture:
         }
         return {name: array for name, array in arrays.items() if array is not None}
 
+    def to_pyvista(self) -> pyvista.ImageData:
+        """Image of W x H x 1 points with all arrays; `rgba` is active."""
+        from .pyvista_hooks.convert import to_pyvista
+
+        return to_pyvista(self)
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
+        """Return `rgba`, for NumPy."""
+        return np.asarray(self.rgba, dtype)
+
     def facts(self) -> dict[str, Any]:
         """What was measured, as plain JSON values; an unknown NRMS is None."""
         return {
             "samples": self.samples,
+            "adaptive": self.density is not None,
             "seconds": self.seconds,
             "paths_per_second": self.paths_per_second,
             "nrms": self.nrms if np.isfinite(self.nrms) else None,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from dataclasses import dataclass
 
@@ -11,14 +12,23 @@ from numpy.typing import NDArray
 from . import packed
 from .effects import Effect
 from .pack import f32
-from .plan_camera import pack_camera, pack_lens
+from .phases import Phase
+from .plan_camera import pack_backdrop, pack_camera, pack_lens
 from .plan_lights import pack_lights
 from .plan_phase import pack_phase
 from .plan_receivers import glossy, pack_receivers
 from .plan_sampling import pack_sobol, sampling_effect
 from .plan_surface import pack_normal_map
 from .plan_transport import estimator_words, pack_marching, pack_scattering, scattering_effect
-from .plan_volume import PackedVolume, coat, pack_layers, pack_volume, packed_layer, shared_phase
+from .plan_volume import (
+    MORE,
+    PackedVolume,
+    coat,
+    pack_layers,
+    pack_volume,
+    packed_layer,
+    shared_phase,
+)
 from .scene import Scene
 from .tables import DEEPEST_VOLUME, DEEPEST_VOXEL, Tables
 from .voxels import Voxels
@@ -26,6 +36,8 @@ from .voxels import Voxels
 # Transmittance below which Russian roulette may end a shadow ray; 1 would be delta tracking, which
 # takes 1.4 times as long at equal error on a CT head (tests/bench/bench_looks.py).
 ROULETTE = 0.3
+# Fields of a scene on which packed volumes do not depend
+VIEW = ("camera", "lights", "size", "pixel_filter", "receivers", "backdrop", "aovs", "sampler")
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +53,8 @@ class Plan:
         What was changed or limited on the way, never silently.
     corners : array (n, 3)
         World corners of the boxes outside of which the volumes are empty.
+    volumes : tuple
+        Packed volumes, for the plan of another view of them.
     """
 
     scene: Scene
@@ -48,6 +62,7 @@ class Plan:
     effects: tuple[Effect, ...]
     notes: tuple[str, ...]
     corners: NDArray[np.float64]
+    volumes: tuple[PackedVolume, ...] = ()
 
     def explain(self) -> str:
         """Every effect, on or off, with its reason; then the notes."""
@@ -61,23 +76,26 @@ class Plan:
         return not len(self.corners)
 
 
-def plan(scene: Scene) -> Plan:
+def plan(scene: Scene, like: Plan | None = None) -> Plan:
     """Pack a scene and give every effect its reason.
 
     Parameters
     ----------
     scene : Scene
+    like : Plan, optional
+        Of another view: where only what `VIEW` names differs, its volumes are taken as they are.
 
     Returns
     -------
     Plan
     """
-    more, more_effect = pack_layers(scene)
-    volumes = [pack_volume(scene), *more]
+    volumes, more_effect = _volumes(scene, like)
+    packed_volumes = tuple(volumes)
     centre = scene.volume.centre
     receivers, mesh, receiver_effect = pack_receivers(scene.receivers, centre)
     coated = any(v.gloss is not None for v in volumes) or glossy(receivers)
     lens, lens_why = pack_lens(scene.camera)
+    backdrop, backdrop_effect = pack_backdrop(scene)
     volumes, shapes = shared_phase(scene, volumes)
     first, *others = volumes
     phase, phase_effect = pack_phase(scene.phase, shapes)
@@ -98,6 +116,7 @@ def plan(scene: Scene) -> Plan:
         pack_sobol(scene),
         receivers, mesh,
         tuple(packed_layer(v, centre, coated) for v in others) or None,
+        backdrop,
     )  # fmt: skip
     effects = (
         _empty_space(scene, first),
@@ -110,12 +129,33 @@ def plan(scene: Scene) -> Plan:
         _shadow_effect(scene, lit, ratio),
         Effect("depth of field", lens is not None, lens_why),
         _background_effect(scene, result),
+        backdrop_effect,
         _aov_effect(scene),
         sampling_effect(result.sobol),
     )
     corners = np.concatenate([v.corners for v in volumes])
     notes = dict.fromkeys(note for v in volumes for note in _notes(v.voxels, v.tables))
-    return Plan(scene, result, effects, (*notes, *lights.notes), corners)
+    return Plan(scene, result, effects, (*notes, *lights.notes), corners, packed_volumes)
+
+
+def _volumes(scene: Scene, like: Plan | None) -> tuple[list[PackedVolume], Effect]:
+    """Packed volumes, the first one first, and whether there are several."""
+    if like is not None and _same_volumes(scene, like.scene):
+        return list(like.volumes), next(e for e in like.effects if e.name == MORE)
+    more, more_effect = pack_layers(scene)
+    return [pack_volume(scene), *more], more_effect
+
+
+def _same_volumes(one: Scene, other: Scene) -> bool:
+    names = [field.name for field in dataclasses.fields(Scene) if field.name not in VIEW]
+    return all(_same(getattr(one, name), getattr(other, name)) for name in names)
+
+
+def _same(one: object, other: object) -> bool:
+    """Whether two fields are the same objects, or plainly equal: arrays are not compared."""
+    if isinstance(one, tuple) and isinstance(other, tuple) and len(one) == len(other):
+        return all(map(_same, one, other))
+    return one is other or (isinstance(one, str | int | float | Phase) and one == other)
 
 
 def _empty_space(scene: Scene, volume: PackedVolume) -> Effect:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from . import packed
 from .camera import Camera, Lens, PixelFilter
+from .effects import Effect
 from .pack import f32, matrix64, vector, vector64
 from .scene import Scene
 
@@ -94,6 +95,21 @@ def _pack_side_by_side(scene: Scene) -> packed.SideBySide | None:
     return packed.SideBySide(
         np.int64(scene.size[0] // 2), vector64(right[0] - left[0]), vector64(right[1] - left[1])
     )
+
+
+def pack_backdrop(scene: Scene) -> tuple[packed.Backdrop | None, Effect]:
+    """Where camera rays end, and why."""
+    name, backdrop = "backdrop", scene.backdrop
+    if backdrop is None:
+        return None, Effect(name, False, "no other renderer draws anything around the volume")
+    if scene.camera.panorama or scene.camera.stereo is not None:
+        raise ValueError("a backdrop is of one view: neither a panorama nor stereo can have one")
+    places = len(backdrop.depth)
+    why = f"camera rays end at what another renderer drew, {places} places in a pixel"
+    result = packed.Backdrop(
+        backdrop.depth, backdrop.colour, backdrop.offsets, vector64(scene.camera.frame[2])
+    )
+    return result, Effect(name, True, why)
 
 
 def _filter_table(pixel_filter: PixelFilter) -> NDArray[np.float32]:

@@ -20,6 +20,7 @@ from .scene import Scene
 from .tables import Tables, varying
 from .voxels import Voxels, voxels_of
 
+MORE = "more volumes"
 # Coat of what has none, in a scene in which something has one: no coat after all
 BARE = packed.Gloss((f32(0), f32(0), f32(0)), f32(0), np.bool_(False))
 
@@ -75,16 +76,15 @@ def pack_volume(scene: Scene) -> PackedVolume:
 
 def pack_layers(scene: Scene) -> tuple[list[PackedVolume], Effect]:
     """Pack the other volumes of a scene; those that are empty are left out."""
-    name = "more volumes"
     if not scene.layers:
-        return [], Effect(name, False, "one volume")
+        return [], Effect(MORE, False, "one volume")
     packs = [pack_volume(_alone(scene, layer)) for layer in scene.layers]
     seen = [p for p in packs if not p.empty]
     if not seen:
-        return [], Effect(name, False, "the others are transparent all over")
+        return [], Effect(MORE, False, "the others are transparent all over")
     empty = f", {len(packs) - len(seen)} empty ones left out" if len(seen) < len(packs) else ""
     why = f"{len(seen)} beside the first, each walked on its own{empty}"
-    return seen, Effect(name, True, why)
+    return seen, Effect(MORE, True, why)
 
 
 def shared_phase(

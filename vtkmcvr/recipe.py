@@ -57,6 +57,7 @@ def _replay(picture: Picture) -> dict[str, Any]:
         "seed": picture.seed,
         "backend": picture.backend,
         "samples": plain_counts(picture.film.count),
+        "density": None if picture.density is None else plain_counts(picture.density),
         "display": dataclasses.asdict(picture.display),
         "denoised": picture.denoiser,
         "film": film_hash(picture.film),

@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 from . import backends, checks, packed, schedule
+from .adaptive import PILOT_SAMPLES, PILOT_SHARE, Density, density_of, pilot_seed
 from .film import copy_film, new_film
 from .picture import Display, Picture
 from .plan import Plan, plan
@@ -25,6 +26,7 @@ def render_scene(
     samples: int | None = None,
     seconds: float | None = None,
     nrms: float | None = None,
+    adaptive: bool = False,
     seed: int = 0,
     threads: int | None = None,
     backend: str = "auto",
@@ -44,6 +46,10 @@ def render_scene(
         Time to render, > 0; compilation is not counted.
     nrms : float, optional
         Error to reach, > 0, with 95 % confidence. Whichever rule is met first ends the render.
+    adaptive : bool
+        Samples go where a short pilot sees noise, and `samples` counts those of the mean pixel;
+        see `vtkmcvr.adaptive`. The pilot counts for `seconds`. Where it does not end within a
+        quarter of them, samples are spread evenly, and the log says so.
     seed : int
         >= 0. The same seed gives the same bits for any number of threads.
     threads : int, optional
@@ -72,12 +78,30 @@ def render_scene(
         schedule.default_threads() if threads is None else checks.whole("threads", threads, least=1)
     )
     planned = scene if isinstance(scene, Plan) else plan(scene)
+    density, piloted = _pilot(backend, planned, rules, seed, threads) if adaptive else (None, 0.0)
+    if rules.seconds is not None:
+        rules = replace(rules, seconds=max(rules.seconds - piloted, 0.0))
     film = empty_film(planned)
-    done = _run(backend, planned, film, rules, seed, threads, progress)
+    done = _run(backend, planned, film, rules, seed, threads, progress, density)
     return Picture(
-        done.film, with_note(planned, done.note), display or Display(), done.seconds, done.stopped_by,
-        seed, threads, recipe or {}, done.backend, done.device,
+        done.film, with_note(planned, done.note), display or Display(), piloted + done.seconds,
+        done.stopped_by, seed, threads, recipe or {}, density, done.backend, done.device,
     )  # fmt: skip
+
+
+def _pilot(
+    backend: str, planned: Plan, rules: StopRules, seed: int, threads: int
+) -> tuple[Density | None, float]:
+    """Where samples should go, None where a short pilot could not tell in time; its seconds."""
+    seconds = None if rules.seconds is None else PILOT_SHARE * rules.seconds
+    short = StopRules(PILOT_SAMPLES, seconds, rules.abort)
+    film = empty_film(planned)
+    done = backends.run(backend, planned.packed, film, short, pilot_seed(seed), threads)
+    if done.stopped_by == "samples":
+        return density_of(done.film), done.seconds
+    if done.stopped_by == "seconds":
+        logger.warning("too little time for a pilot: samples are spread evenly")
+    return None, done.seconds
 
 
 def with_note(planned: Plan, note: str) -> Plan:
@@ -87,7 +111,10 @@ def with_note(planned: Plan, note: str) -> Plan:
 
 def empty_film(planned: Plan) -> packed.Film:
     """Film without samples, with all that the scene asks for."""
-    return new_film(*planned.scene.size, planned.packed.sobol, planned.scene.aovs)
+    scene = planned.scene
+    return new_film(
+        *scene.size, planned.packed.sobol, scene.aovs, behind=scene.backdrop is not None
+    )
 
 
 def continue_picture(
@@ -102,10 +129,13 @@ def continue_picture(
     rules = _rules(samples, seconds, nrms, abort)
     film = copy_film(picture.film)
     backend = "auto" if picture.backend == "cuda" else "cpu"
-    done = _run(backend, picture.plan, film, rules, picture.seed, picture.threads, progress)
+    done = _run(
+        backend, picture.plan, film, rules, picture.seed, picture.threads, progress, picture.density
+    )
     return Picture(
-        done.film, with_note(picture.plan, done.note), picture.display, picture.seconds + done.seconds,
-        done.stopped_by, picture.seed, picture.threads, picture.recipe, done.backend, done.device,
+        done.film, with_note(picture.plan, done.note), picture.display,
+        picture.seconds + done.seconds, done.stopped_by, picture.seed, picture.threads,
+        picture.recipe, picture.density, done.backend, done.device,
     )  # fmt: skip
 
 
@@ -117,10 +147,13 @@ def _run(
     seed: int,
     threads: int,
     progress: Callable[[Progress], object] | None,
+    density: Density | None,
 ) -> backends.Rendered:
     """`backends.run`, which says so where samples had to be rejected."""
     before = int(film.rejected.sum())
-    done = backends.run(backend, planned.packed, film, rules, seed, threads, progress)
+    done = backends.run(
+        backend, planned.packed, film, rules, seed, threads, progress, density=density
+    )
     film = done.film
     rejected = int(film.rejected.sum()) - before
     if rejected:

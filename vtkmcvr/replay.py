@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import __version__, backends, checks, schedule
+from .adaptive import Density, level_of
 from .content_hash import content_hash
 from .deserialise import MissingArray, from_plain
 from .occlusion import OcclusionPicture
@@ -86,20 +87,31 @@ def replay(
     planned = _planned(scene)
     seed = checks.whole("the recipe's seed", part.get("seed"), least=0)
     counts = counts_of(part.get("samples"), planned.scene.size)
+    density = _density(part, planned.scene.size)
     threads = threads or schedule.default_threads()
-    rules = StopRules(int(counts.min()), None, abort)
+    rules = StopRules(level_of(counts, density), None, abort)
     # Bits are those of the backend; the other one's picture is better than none
     backend = "auto" if part.get("backend") == "cuda" else "cpu"
     film = empty_film(planned)
     done = backends.run(
-        backend, planned.packed, film, rules, seed, threads, progress, counts
+        backend, planned.packed, film, rules, seed, threads, progress, counts, density
     )
     picture = Picture(
         done.film, with_note(planned, done.note), Display(), done.seconds, done.stopped_by, seed,
-        threads, noted, done.backend, done.device,
+        threads, noted, density, done.backend, done.device,
     )  # fmt: skip
     verdict = _verdict(film_hash(done.film), part, done.backend)
     return Replayed(_shown(picture, part), *verdict)
+
+
+def _density(part: dict[str, Any], size: tuple[int, int]) -> Density | None:
+    plain = part.get("density")
+    if plain is None:
+        return None
+    density = counts_of(plain, size)
+    if density.min() < 1:
+        raise ValueError("the recipe has pixels that get no samples")
+    return density
 
 
 def _verdict(

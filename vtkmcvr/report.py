@@ -93,6 +93,7 @@ def error_map(picture: Picture) -> NDArray[np.uint8]:
 def _head(picture: Picture) -> str:
     error = image_error(picture.film)
     width, height = picture.size
+    spread = "samples each" if picture.density is None else "adaptive samples on average"
     if not error.bright:
         known = "black: no path has found light"
     elif math.isfinite(error.high):
@@ -103,10 +104,9 @@ def _head(picture: Picture) -> str:
         known = "error not known: too few samples"
     return (
         f"<h1>vtkmcvr {html.escape(__version__)}</h1><p class=key>{known}</p>"
-        f"<p>{width} x {height} pixels, {picture.samples} samples each, {picture.seconds:.2f} s on "
+        f"<p>{width} x {height} pixels, {picture.samples} {spread}, {picture.seconds:.2f} s on "
         f"{html.escape(picture.rendered_on)} ({picture.paths_per_second / 1e6:.2f} M paths/s); "
-        f"ended by {html.escape(picture.stopped_by)}; "
-        f"samples rejected: {picture.rejected_samples}.</p>"
+        f"ended by {html.escape(picture.stopped_by)}; samples rejected: {picture.rejected_samples}.</p>"
     )
 
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from numpy.typing import NDArray
 
 from . import checks
+from .backdrop import Backdrop, check_backdrop
 from .camera import Camera, Lens, PixelFilter, Stereo, Vector
 from .cutting import Cropping, Shape
 from .labels import Labels
@@ -96,6 +97,8 @@ class Scene:
         Opaque surfaces that receive and cast shadows.
     layers : sequence of Layer
         Further volumes; where they overlap, extinctions add.
+    backdrop : Backdrop, optional
+        Opaque things that another renderer draws, where camera rays end; not for a panorama.
     """
 
     volume: Volume
@@ -122,6 +125,7 @@ class Scene:
     labels: Labels | None = None
     receivers: tuple[Receiver, ...] = ()
     layers: tuple[Layer, ...] = ()
+    backdrop: Backdrop | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "lights", tuple(self.lights))
@@ -145,6 +149,7 @@ class Scene:
                 checks.whole("film height", height, least=1),
             ),
         )
+        check_backdrop(self.backdrop, self.size)
 
 
 def _check_transport(scene: Scene) -> None:

@@ -10,7 +10,6 @@ import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -18,6 +17,7 @@ from numpy.typing import NDArray
 
 from . import packed
 from .accuracy import ImageError, image_error, samples_for
+from .adaptive import QUARTERS, Density, goals, level_of, level_with
 from .kernels.cpu import render_tile
 
 logger = logging.getLogger("vtkmcvr")
@@ -45,7 +45,7 @@ class Progress:
     fraction : float
         Share of the work done by the stop rule that will be met first, [0, 1].
     samples : int
-        Samples per pixel that are complete.
+        Samples per pixel that are complete; the mean over pixels where they are adaptive.
     seconds : float
         Time since the start, compilation included.
     """
@@ -62,7 +62,7 @@ class StopRules:
     Parameters
     ----------
     samples : int, optional
-        Samples per pixel to reach.
+        Samples per pixel to reach; the mean over pixels where they are adaptive.
     seconds : float, optional
         Time to spend, compilation not counted.
     nrms : float, optional
@@ -84,10 +84,14 @@ def run(
     seed: int,
     threads: int,
     progress: Callable[[Progress], object] | None = None,
+    density: Density | None = None,
 ) -> tuple[str, float]:
-    """Add samples to the film until a rule is met. Returns (which rule, seconds of rendering)."""
-    compiling(lambda: render_tile(film, scene, 0, 0, 0, 0, 0, np.int64(seed)))
-    runner = Runner(scene, film, rules, seed, threads, progress)
+    """Add samples to the film until a rule is met. Returns (which rule, seconds of rendering).
+
+    `density` says where they go; None: everywhere alike.
+    """
+    compiling(lambda: render_tile(film, scene, 0, 0, 0, 0, film.count, np.int64(seed)))
+    runner = Runner(scene, film, rules, seed, threads, progress, density)
     with ThreadPoolExecutor(threads, thread_name_prefix="vtkmcvr") as pool:
         stopped_by = runner.run(pool)
     return stopped_by, time.perf_counter() - runner.start
@@ -96,12 +100,7 @@ def run(
 def fill_up(scene: packed.Scene, film: packed.Film, counts: NDArray[np.int64], seed: int) -> None:
     """Bring every pixel up to a number of samples of its own, as a run that was cut off left it."""
     height, width = counts.shape
-    for row in range(height):
-        steps = np.flatnonzero(np.diff(counts[row])) + 1
-        for first, last in pairwise((0, *steps.tolist(), width)):
-            render_tile(
-                film, scene, row, row + 1, first, last, int(counts[row, first]), np.int64(seed)
-            )
+    render_tile(film, scene, 0, height, 0, width, np.ascontiguousarray(counts), np.int64(seed))
 
 
 def default_threads() -> int:
@@ -134,11 +133,15 @@ class Runner:
         seed: int,
         threads: int,
         progress: Callable[[Progress], object] | None,
+        density: Density | None,
     ):
         self.scene, self.film, self.rules = scene, film, rules
         self.seed, self.threads, self.progress = seed, threads, progress
+        self.density = density
         self.goal = UNLIMITED if rules.samples is None else rules.samples
-        self.first = int(film.count.min())
+        self.first = level_of(film.count, density)
+        self.pixels = film.count.size if density is None else max(1, int(density.sum()) // QUARTERS)
+        self.least = level_with(LEAST_SAMPLES, density)
         self.halt = threading.Event()
         self.paths = 0
         self.error: ImageError | None = None
@@ -169,24 +172,27 @@ class Runner:
         seconds = PASS_SECONDS
         if self.rules.seconds is not None:
             seconds = min(seconds, self.rules.seconds - elapsed)
-        more = max(1, int(seconds * rate / self.film.count.size))
+        more = max(1, int(seconds * rate / self.pixels))
         if self.rules.nrms is not None:
             # Slowly at first: a whole pass may be far more than it takes
-            more = min(more, max(3 * done, LEAST_SAMPLES - done))
+            more = min(more, max(3 * done, self.least - done))
         if self.error is not None and math.isfinite(self.error.high):
             assert self.rules.nrms is not None
             enough = samples_for(self.error.high, done, self.rules.nrms)
-            enough = max(enough, LEAST_SAMPLES, LEAST_PATHS / self.film.count.size)
+            enough = max(enough, self.least, LEAST_PATHS / self.pixels)
             more = max(1, min(more, math.ceil(enough) - done))
         return min(done + more, self.goal)
+
+    def _goals(self, target: int) -> NDArray[np.int64]:
+        return goals(target, self.film.count.shape, self.density)
 
     def _judge(self, done: int) -> None:
         """Stop where the error is small enough, or where there is no light at all."""
         if self.rules.nrms is None:
             return
         self.error = image_error(self.film)
-        paths = done * self.film.count.size
-        if done < LEAST_SAMPLES or paths < LEAST_PATHS:
+        paths = int(self.film.count.sum())
+        if done < self.least or paths < LEAST_PATHS:
             return
         if self.error.high <= self.rules.nrms:
             self.stopped_by = "nrms"
@@ -195,8 +201,8 @@ class Runner:
 
     def _pass(self, pool: Any, target: int) -> None:
         tiles = iter(list(self._tiles(target)))
-        lock = threading.Lock()
-        jobs = [pool.submit(self._work, tiles, lock, target) for _ in range(self.threads)]
+        lock, goal = threading.Lock(), self._goals(target)
+        jobs = [pool.submit(self._work, tiles, lock, goal) for _ in range(self.threads)]
         try:
             self._watch(jobs)
         except BaseException:
@@ -210,24 +216,25 @@ class Runner:
         edge = FIRST_TILE
         if self.paths:
             rate = self.paths / self.threads / max(time.perf_counter() - self.start, 1e-6)
-            samples = max(1, target - int(self.film.count[0, 0]))
-            edge = int(np.clip(math.sqrt(rate * TILE_SECONDS / samples), 4, LARGEST_TILE))
+            samples = max(1, target - level_of(self.film.count, self.density))
+            area = rate * TILE_SECONDS / samples * self.film.count.size / self.pixels
+            edge = int(np.clip(math.sqrt(area), 4, LARGEST_TILE))
         for row in range(0, height, edge):
             for column in range(0, width, edge):
                 yield row, min(row + edge, height), column, min(column + edge, width)
 
-    def _work(self, tiles: Iterator[Tile], lock: threading.Lock, target: int) -> None:
+    def _work(self, tiles: Iterator[Tile], lock: threading.Lock, goal: NDArray[np.int64]) -> None:
         while not self.halt.is_set():
             with lock:
                 tile = next(tiles, None)
             if tile is None:
                 return
             row_0, row_1, column_0, column_1 = tile
-            # Close enough for rates: counts are uneven only where an earlier run was cut off
-            more = max(0, target - int(self.film.count[row_0, column_0]))
-            render_tile(self.film, self.scene, *tile, target, np.int64(self.seed))
+            here = slice(row_0, row_1), slice(column_0, column_1)
+            more = int(np.maximum(goal[here] - self.film.count[here], 0).sum())
+            render_tile(self.film, self.scene, *tile, goal, np.int64(self.seed))
             with lock:
-                self.paths += more * (row_1 - row_0) * (column_1 - column_0)
+                self.paths += more
 
     def _watch(self, jobs: list[Future]) -> None:
         """Wait for the workers; stop them when a rule says so."""
@@ -239,7 +246,7 @@ class Runner:
             if pending and self._over():
                 self.halt.set()
             elif pending:
-                self._report(int(self.film.count.min()))
+                self._report(level_of(self.film.count, self.density))
 
     def _over(self) -> bool:
         if self.rules.abort is not None and self.rules.abort():
@@ -255,7 +262,7 @@ class Runner:
         if self.progress is None:
             return
         elapsed = time.perf_counter() - self.start
-        fraction = self.paths / max(1, (self.goal - self.first) * self.film.count.size)
+        fraction = self.paths / max(1, (self.goal - self.first) * self.pixels)
         if self.rules.seconds is not None:
             fraction = max(fraction, elapsed / self.rules.seconds)
         if self.error is not None and self.error.high > 0:

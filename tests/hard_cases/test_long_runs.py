@@ -11,8 +11,8 @@ from techniques import SKY
 from vtkmcvr import packed, schedule
 from vtkmcvr.film import new_film
 from vtkmcvr.film_merge import merge
-from vtkmcvr.kernels.sample import accumulate
 from vtkmcvr.kernels.jit import entry_point
+from vtkmcvr.kernels.sample import accumulate
 
 f32 = np.float32
 MILLION = 1_000_000
@@ -132,7 +132,7 @@ def test_films_that_do_not_fit_are_refused():
         merge(film, new_film(5, 4, packed.Sobol(0, 0, 16)))
     with pytest.raises(ValueError, match=r"only one of the films .* batches"):
         merge(film, new_film(4, 4))
-    with pytest.raises(ValueError, match=r"multiples of 16"):
+    with pytest.raises(ValueError, match=r"whole batches of 16"):
         merge(film, render(lit, 8).film)
 
 

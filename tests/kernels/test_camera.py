@@ -7,7 +7,8 @@ from scipy import stats
 from vtkmodules.vtkCommonTransforms import vtkPerspectiveTransform
 from vtkmodules.vtkRenderingCore import vtkCamera
 
-from vtkmcvr.kernels.camera import camera_ray, filtered_position
+from vtkmcvr.kernels.camera import film_position as sampled_position
+from vtkmcvr.kernels.camera import filtered_position, ray_through
 from vtkmcvr.kernels.jit import entry_point
 from vtkmcvr.kernels.rng import start, uniform
 from vtkmcvr.plan import plan
@@ -24,7 +25,8 @@ POINT = PixelFilter("box", 1e-9)
 def draw_rays(camera, lens, column, row, n):
     out = np.empty((n, 6))
     for i in range(n):
-        o, d, _ = camera_ray(camera, lens, column, row, start(6, i, 0))
+        x, y, rng = sampled_position(camera, column, row, start(6, i, 0))
+        o, d, _ = ray_through(camera, lens, column, x, y, rng)
         out[i, 0], out[i, 1], out[i, 2] = o
         out[i, 3], out[i, 4], out[i, 5] = d
     return out

@@ -19,14 +19,15 @@ def add_cost(commands: Any) -> None:
     cost.add_argument("input", help="volume, as for render; or demo for the synthetic head")
     cost.add_argument("-o", "--output", required=True, metavar="FOLDER")
     cost.add_argument(
-        "--budget", type=_duration, default=60.0, metavar="60s", help="time to spend: 90s, 5m, 1h"
+        "--budget", type=duration, default=60.0, metavar="60s", help="time to spend: 90s, 5m, 1h"
     )
     cost.add_argument("--no-figures", action="store_true", help="write no figures")
     add_scene_options(cost)
     cost.set_defaults(command=_cost)
 
 
-def _duration(text: str) -> float:
+def duration(text: str) -> float:
+    """Seconds of a time like 90s, 5m or 1h."""
     unit = {"s": 1.0, "m": 60.0, "h": 3600.0}.get(text[-1:], None)
     number = text if unit is None else text[:-1]
     try:

@@ -54,6 +54,11 @@ def add_render_options(parser: argparse.ArgumentParser) -> None:
     add("--samples", type=int, help="samples per pixel, default 64")
     add("--seconds", type=float, help="time to render; the first limit that is met ends the render")
     add("--nrms", type=float, help="error to reach, such as 0.02")
+    add(
+        "--adaptive",
+        action="store_true",
+        help="samples go where a short pilot sees noise; --samples is then the mean",
+    )
     add("--seed", type=int, default=0)
     add("--backend", choices=("auto", "cpu", "cuda"), default="auto",
         help="who renders; auto: a CUDA device where there is one")  # fmt: skip

@@ -111,9 +111,10 @@ def picture_of(
     stop = Interrupt()
     with stop, Bar(args.quiet) as bar:
         picture = render(
-            data, samples=args.samples, seconds=args.seconds, nrms=args.nrms, seed=args.seed,
-            threads=args.threads, backend=args.backend, exposure=args.exposure,
-            background=background, progress=bar, abort=stop.is_set, **occlusion_options(args), **options,
+            data, samples=args.samples, seconds=args.seconds, nrms=args.nrms,
+            adaptive=args.adaptive, seed=args.seed, threads=args.threads, backend=args.backend,
+            exposure=args.exposure, background=background, progress=bar, abort=stop.is_set,
+            **occlusion_options(args), **options,
         )  # fmt: skip
     picture = displayed(picture, args)
     return picture.denoised(args.denoise) if args.denoise else picture
@@ -124,6 +125,8 @@ def _predict(data: Any, args: argparse.Namespace) -> int:
     from ..front import scene_of
     from ..prediction import estimate
 
+    if args.adaptive:
+        raise ValueError("--dry-run predicts evenly spread samples: leave --adaptive out")
     data = flipped(data, args.flip)
     scene = scene_of(data, **scene_options(data, args)).scene
     predicted = estimate(scene, args.nrms or PREDICTED_NRMS, threads=args.threads)
@@ -159,11 +162,13 @@ def _cost(picture: Picture | OcclusionPicture) -> str:
     if isinstance(picture, OcclusionPicture):
         return str(picture)
     width, height = picture.size
+    adaptive = "adaptive " if picture.density is not None else ""
     error = f"estimated error (NRMS) {picture.nrms:.2%}"
     if picture.denoiser is not None:
         error = f"denoised by {picture.denoiser['method']}, error not known"
     return (
-        f"{width} x {height}, {picture.samples} samples per pixel in {picture.seconds:.2f} s on "
-        f"{picture.rendered_on} ({picture.paths_per_second / 1e6:.2f} M paths/s), "
-        f"stopped by {picture.stopped_by}; {error}"
+        f"{width} x {height}, {picture.samples} {adaptive}samples per pixel in "
+        f"{picture.seconds:.2f} s on {picture.rendered_on} "
+        f"({picture.paths_per_second / 1e6:.2f} M paths/s), stopped by "
+        f"{picture.stopped_by}; {error}"
     )

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import numpy as np
+from numpy.typing import NDArray
 
 from .. import __version__, checks, schedule
 from ..plan import Plan, plan
@@ -20,13 +20,24 @@ from ..safe_files import replacing
 from ..scene import Scene
 from ..serialise import to_plain
 from . import summary
-from .ladder import Reference, climb, make_reference, plain
-from .stored import load_reference, load_results, save_reference, save_results
-from .variants import Variant, base_variant, variants
+from .families import families
+from .ladder import Point, Reference, climb, make_reference, plain
+from .occluded import cone_scene, occluded
+from .stored import (
+    error_plane,
+    load_reference,
+    load_results,
+    save_error,
+    save_reference,
+    save_results,
+)
+from .variants import OTHER, Variant, base_variant, variants
 
 # Shares of the time: the reference, the scene as it is, all variants together
 REFERENCE_SHARE, BASE_SHARE = 0.35, 0.15
 LEAST_SECONDS = 0.2
+# With less, a picture cannot tell its noise from what else differs
+LEAST_SAMPLES = 2
 
 TABLES = "cost.md"
 
@@ -67,7 +78,7 @@ class Study:
         """Write the figures; needs matplotlib."""
         from .figures import draw
 
-        return draw(self.results, Path(folder))
+        return draw(self.results, Path(folder), self.folder)
 
 
 def study(
@@ -130,7 +141,8 @@ class _Worker:
     ):
         self.scene, self.budget, self.threads, self.folder = scene, budget, threads, folder
         self.progress, self.abort = progress, abort
-        self.all = [base_variant(scene), *variants(scene)]
+        self.all = [base_variant(scene), *variants(scene), *families(scene)]
+        self.cones: dict[float, Reference] = {}
         self.end = time.perf_counter() + budget
         self.results = self._start()
 
@@ -142,11 +154,14 @@ class _Worker:
             "threads": self.threads,
             "machine": machine(),
             "measured": {},
+            "cones": {},
             "left_out": [],
+            "refused": {},
         }
         stored = load_results(self.folder)
         same = ("version", "scene", "threads")
-        if stored is not None and all(stored.get(key) == fresh[key] for key in same):
+        whole = stored is not None and fresh.keys() <= stored.keys()
+        if stored is not None and whole and all(stored[key] == fresh[key] for key in same):
             return stored
         return fresh
 
@@ -163,7 +178,11 @@ class _Worker:
             if number and self._over():
                 self.results["left_out"].append(variant.key)
                 continue
-            self._measure(variant, reference)
+            try:
+                self._measure(variant, reference)
+            except ValueError as error:
+                # Occlusion does not know every part of a scene
+                self.results["refused"][variant.key] = str(error)
             save_results(self.folder, self.results)
         save_results(self.folder, self.results)
 
@@ -178,27 +197,51 @@ class _Worker:
             self.progress(0, len(self.all), "reference")
         reference = make_reference(planned, REFERENCE_SHARE * self.budget, self.threads, self.abort)
         save_reference(self.folder, reference)
-        self.results["reference"] = {
-            "samples": reference.samples,
-            "seconds": reference.seconds,
-            "nrms": reference.nrms if np.isfinite(reference.nrms) else None,
-        }
+        self.results["reference"] = reference.facts()
         return reference
 
-    def _measure(self, variant: Variant, reference: Reference) -> None:
+    def _seconds(self, variant: Variant) -> float:
+        """Time for a variant."""
         share = BASE_SHARE
         if variant is not self.all[0]:
             share = (1 - REFERENCE_SHARE - BASE_SHARE) / (len(self.all) - 1)
-        points = climb(
-            plan(variant.scene), reference, max(share * self.budget, LEAST_SECONDS), self.threads,
-            finish=variant.finish,
+        return max(share * self.budget, LEAST_SECONDS)
+
+    def _measure(self, variant: Variant, reference: Reference) -> None:
+        entry: dict[str, Any] = {
+            "group": variant.group, "name": variant.name, "kind": variant.kind
+        }  # fmt: skip
+        if variant.occlusion is not None:
+            cone = self._cone(variant.occlusion.half_angle)
+            point, entry["bias"], radiance = occluded(
+                self.scene, variant.occlusion, reference, cone, self.threads
+            )
+            points = [point]
+        else:
+            points, radiance = self._climb(variant, reference)
+        entry["points"] = plain(points)
+        self.results["measured"][variant.key] = entry
+        if variant.kind != OTHER:
+            save_error(self.folder, variant.key, error_plane(radiance, reference))
+
+    def _climb(self, variant: Variant, reference: Reference) -> tuple[list[Point], NDArray]:
+        planned, seconds = plan(variant.scene), self._seconds(variant)
+        if variant.kind == OTHER:
+            seconds /= 2
+            reference = make_reference(planned, seconds, self.threads)
+        return climb(
+            planned, reference, seconds, self.threads, finish=variant.finish,
+            adaptive=variant.adaptive, least=LEAST_SAMPLES,
         )  # fmt: skip
-        self.results["measured"][variant.key] = {
-            "group": variant.group,
-            "name": variant.name,
-            "kind": variant.kind,
-            "points": plain(points),
-        }
+
+    def _cone(self, half_angle: float) -> Reference:
+        """Reference of directional occlusion, as long as two variants."""
+        if half_angle not in self.cones:
+            planned = plan(cone_scene(self.scene, half_angle))
+            seconds = 2 * self._seconds(self.all[-1])
+            self.cones[half_angle] = make_reference(planned, seconds, self.threads)
+            self.results["cones"][f"{half_angle:g}"] = self.cones[half_angle].facts()
+        return self.cones[half_angle]
 
 
 def machine() -> dict[str, Any]:

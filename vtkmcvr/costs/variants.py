@@ -5,21 +5,31 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from typing import Any
 
 from numpy.typing import NDArray
 
 from .. import denoise
-from ..lights import ConstantEnvironment, DirectionalLight, EnvironmentMap, PointLight
+from ..lights import (
+    ConstantEnvironment,
+    DirectionalLight,
+    EnvironmentMap,
+    GradientEnvironment,
+    PointLight,
+)
+from ..occlusion import Occlusion
+from ..occlusion.settings import MODES
 from ..phases import Isotropic
 from ..picture import Picture
 from ..scene import Scene
 
 # Lights that no scattered ray can meet
 DELTA = (DirectionalLight, PointLight)
-SKIES = (ConstantEnvironment, EnvironmentMap)
+SKIES = (ConstantEnvironment, GradientEnvironment, EnvironmentMap)
 
-# Against the scene as it is: equal in the mean; a bias of the method; another model of light
-SAME, BIAS, MODEL = "same mean", "bias", "model"
+# Against the scene as it is: equal in the mean; a bias of the method; another model of light;
+# another scene, which has a reference of its own
+SAME, BIAS, MODEL, OTHER = "same mean", "bias", "model", "other scene"
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,10 +42,14 @@ class Variant:
         Heading under which it is compared.
     name : str
     kind : str
-        `SAME`, `BIAS` or `MODEL`: what a difference from the scene as it is means.
+        `SAME`, `BIAS`, `MODEL` or `OTHER`: what a difference from the scene as it is means.
     scene : Scene
     finish : callable, optional
         Picture -> radiance, applied before the comparison.
+    adaptive : bool
+        Samples go where the noise is.
+    occlusion : Occlusion, optional
+        Directional occlusion instead of Monte Carlo.
     """
 
     group: str
@@ -43,6 +57,8 @@ class Variant:
     kind: str
     scene: Scene
     finish: Callable[[Picture], NDArray] | None = None
+    adaptive: bool = False
+    occlusion: Occlusion | None = None
 
     @property
     def key(self) -> str:
@@ -65,6 +81,7 @@ def variants(scene: Scene) -> list[Variant]:
         *_shadows(scene),
         *_estimators(scene),
         *_scattering(scene),
+        *_occluded(scene),
     ]
 
 
@@ -91,6 +108,27 @@ def _effects_off(scene: Scene) -> Iterator[Variant]:
     if skies and others:
         yield without("no environment", lights=others)
         yield without("environment alone", lights=skies)
+    yield from _parts_off(scene)
+
+
+def _parts_off(scene: Scene) -> Iterator[Variant]:
+    """Channels of the transfer function, cuts, and things beside the volume."""
+    transfer = scene.transfer
+    changes: dict[str, dict[str, Any]] = {}
+    if transfer.emission is not None:
+        changes["no emission"] = {"transfer": replace(transfer, emission=None)}
+    if transfer.gradient_opacity is not None:
+        changes["no gradient opacity"] = {"transfer": replace(transfer, gradient_opacity=None)}
+    if scene.receivers:
+        changes["no receivers"] = {"receivers": ()}
+    if scene.layers:
+        changes["first volume alone"] = {"layers": ()}
+    if scene.clip or scene.crop is not None or scene.mask is not None:
+        changes["no cuts"] = {"clip": (), "crop": None, "mask": None}
+    if scene.labels is not None:
+        changes["one transfer function for all labels"] = {"labels": None}
+    for name, change in changes.items():
+        yield Variant("without an effect", name, MODEL, replace(scene, **change))
 
 
 def _denoisers(scene: Scene) -> Iterator[Variant]:
@@ -111,6 +149,7 @@ def _samplers(scene: Scene) -> Iterator[Variant]:
     for sampler in ("independent", "sobol"):
         if sampler != scene.sampler:
             yield Variant("sampler", sampler, SAME, replace(scene, sampler=sampler))
+    yield Variant("sampler", "adaptive", SAME, scene, adaptive=True)
 
 
 def _light_sampling(scene: Scene) -> Iterator[Variant]:
@@ -144,3 +183,16 @@ def _scattering(scene: Scene) -> Iterator[Variant]:
     elif scene.scattering == "multiple":
         one = replace(scene, scattering="single", max_scatterings=None)
         yield Variant("scattering", "single", MODEL, one)
+
+
+# Directional occlusion at half angle 60, where not said otherwise
+ANGLE, ANGLES, SLICES = 60.0, (30.0, 80.0), (64, 256)
+
+
+def _occluded(scene: Scene) -> Iterator[Variant]:
+    """Directional occlusion by mode, half angle and slices."""
+    settings = {f"{mode}, {ANGLE:g} degrees": Occlusion(ANGLE, mode) for mode in MODES}
+    settings |= {f"default, {angle:g} degrees": Occlusion(angle) for angle in ANGLES}
+    settings |= {f"default, {n} slices": Occlusion(ANGLE, slices=n) for n in SLICES}
+    for name, occlusion in settings.items():
+        yield Variant("occlusion", name, MODEL, scene, occlusion=occlusion)

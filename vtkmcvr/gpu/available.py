@@ -1,4 +1,4 @@
-"""Is there a CUDA device, and all that it takes?"""
+"""Whether there is a CUDA device, and all that it takes."""
 
 from __future__ import annotations
 
@@ -49,7 +49,8 @@ def _device_missing() -> str | None:
         return None
     visible = os.environ.get("CUDA_VISIBLE_DEVICES")
     hint = "" if visible is None else f"; CUDA_VISIBLE_DEVICES is {visible!r}"
-    return f"the NVIDIA driver has no device for us ({error or 'none is visible'}{hint}), {CPU_INSTEAD}"
+    why = f"{error or 'none is visible'}{hint}"
+    return f"the NVIDIA driver has no device for us ({why}), {CPU_INSTEAD}"
 
 
 def _toolkit_missing() -> str | None:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import packed, schedule
+from ..adaptive import Density
 from ..schedule import Progress, StopRules
 
 # A launch takes this long, so that an abort is heard and a desktop stays alive; two are queued, so
@@ -24,11 +25,11 @@ WAIT_SECONDS = 0.0002
 
 
 class Launch(NamedTuple):
-    """Rows from `start` to before `end`, up to `cap` samples."""
+    """Rows from `start` to before `end`, up to a number of samples of the mean pixel."""
 
     start: int
     end: int
-    cap: int
+    level: int
     paths: int
 
 
@@ -51,13 +52,14 @@ class DeviceRun(schedule.Runner):
         rules: StopRules,
         seed: int,
         progress: Callable[[Progress], object] | None,
+        density: Density | None,
     ):
         unlimited = np.full(film.count.shape, schedule.UNLIMITED, np.int64)
         device.room_for(scene, film, unlimited)
         self.device = device
         self.there, self.sum, self.unlimited = map(device.upload, (scene, film, unlimited))
         schedule.compiling(lambda: device.compile(self.sum, self.there, self.unlimited, seed))
-        super().__init__(scene, film, rules, seed, 1, progress)
+        super().__init__(scene, film, rules, seed, 1, progress, density)
         self.level, self.busy, self.idle_since = self.first, 0.0, self.start
 
     def result(self) -> packed.Film:
@@ -66,17 +68,25 @@ class DeviceRun(schedule.Runner):
 
     def fill_up(self, counts: NDArray[np.int64]) -> None:
         """Bring every pixel up to a number of samples of its own."""
-        self._work_off(self.device.upload(counts), int(counts.max()))
+        wanted = self.device.upload(counts)
+        self.level = int(self.result().count.min())
+        self._work_off(int(counts.max()), lambda level: (wanted, level))
 
     def _pass(self, pool: object, target: int) -> None:
-        self._work_off(self.unlimited, target)
+        self._work_off(target, self._goal_of)
 
-    def _work_off(self, goal: Any, target: int) -> None:
-        """Queue launches until all pixels have their goal, or `target` where that is less."""
+    def _goal_of(self, level: int) -> tuple[Any, int]:
+        """Samples of each pixel at a level, on the device, and the most that counts."""
+        if self.density is None:
+            return self.unlimited, level
+        return self.device.upload(self._goals(level)), schedule.UNLIMITED
+
+    def _work_off(self, target: int, goal_of: Callable[[int], tuple[Any, int]]) -> None:
+        """Queue launches until all pixels have what they get at level `target`."""
         queue: deque[Queued] = deque()
         for launch in self._launches(target):
-            rows = launch.start, launch.end
-            ticket = self.device.launch(self.sum, self.there, rows, goal, launch.cap, self.seed)
+            rows, (goal, cap) = (launch.start, launch.end), goal_of(launch.level)
+            ticket = self.device.launch(self.sum, self.there, rows, goal, cap, self.seed)
             queue.append(Queued(ticket, launch.paths, time.perf_counter()))
             if len(queue) == QUEUED:
                 self._await(queue.popleft())
@@ -93,11 +103,11 @@ class DeviceRun(schedule.Runner):
             paths = max(LEAST_PATHS, int(LAUNCH_SECONDS * self._rate()))
             samples = min(max(1, paths // (height * width)), target - self.level)
             rows = height if paths >= height * width else max(ROWS, paths // width // ROWS * ROWS)
-            cap = self.level + samples
+            level = self.level + samples
             for start in range(0, height, rows):
                 end = min(start + rows, height)
-                yield Launch(start, end, cap, (end - start) * width * samples)
-            self.level = cap
+                yield Launch(start, end, level, (end - start) * width * samples)
+            self.level = level
 
     def _rate(self) -> float:
         """Paths per second of the device while it was at work; 0 before anything is known."""
@@ -138,13 +148,14 @@ def run(
     seed: int,
     progress: Callable[[Progress], object] | None = None,
     counts: NDArray[np.int64] | None = None,
+    density: Density | None = None,
 ) -> tuple[packed.Film, str, float]:
     """Add samples on a device until a rule is met; the film given stays as it is.
 
     Parameters
     ----------
     device : CudaDevice
-    scene, film, rules, seed, progress
+    scene, film, rules, seed, progress, density
         As for `vtkmcvr.schedule.run`.
     counts : array (H, W), optional
         Samples of each pixel to go on to where the rule was "samples".
@@ -154,7 +165,7 @@ def run(
     film, stopped_by, seconds
         Compilation and copies of the scene are not counted, that of the film to the host is.
     """
-    work = DeviceRun(device, scene, film, rules, seed, progress)
+    work = DeviceRun(device, scene, film, rules, seed, progress, density)
     stopped_by = work.run(None)
     if counts is not None and stopped_by == "samples":
         work.fill_up(counts)

@@ -83,11 +83,17 @@ def through_lens(lens, origin, direction, rng):
 
 
 @device
-def camera_ray(camera, lens, column, row, rng):
-    """Ray of one sample of a pixel. Returns (origin float64, unit direction float32, rng)."""
+def film_position(camera, column, row, rng):
+    """Film position of one sample of a pixel. Returns (x, y, rng)."""
     rng, u, v = stratified_pair(rng)
     x = filtered_position(camera.filter, column, u)
     y = filtered_position(camera.filter, row, v)
+    return x, y, rng
+
+
+@device
+def ray_through(camera, lens, column, x, y, rng):
+    """Ray of a film position. Returns (origin float64, unit direction float32, rng)."""
     origin, heading, x = eye_of(camera.side_by_side, camera, column, x)
     origin = at(at(origin, camera.origin_x, x), camera.origin_y, y)
     heading = at(at(heading, camera.direction_x, x), camera.direction_y, y)

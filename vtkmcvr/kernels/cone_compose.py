@@ -7,7 +7,7 @@ import numpy as np
 from .brdf import surface_opacity, surface_probability
 from .cone_layers import SEGMENT, pixel_ray, secant
 from .cone_transfer import stretch_albedo
-from .cut import cut_face
+from .cut_faces import cut_face
 from .grid import INFINITE, gradient
 from .jit import device, kernel
 from .vec import add, at, dot, normalize, scale

@@ -5,9 +5,9 @@ from .sample import take_sample
 
 
 @kernel
-def render_tile(film, scene, row_0, row_1, column_0, column_1, target, seed):
-    """Bring every pixel of a tile up to `target` samples; continues where the film is."""
+def render_tile(film, scene, row_0, row_1, column_0, column_1, goal, seed):
+    """Bring every pixel of a tile up to its `goal` of samples; continues where the film is."""
     for row in range(row_0, row_1):
         for column in range(column_0, column_1):
-            for sample in range(film.count[row, column], target):
+            for sample in range(film.count[row, column], goal[row, column]):
                 take_sample(film, scene, row, column, sample, seed)

@@ -79,8 +79,10 @@ def background(scene, origin, d, index, distance):
 
 
 @glue
-def radiance(scene, origin, d, rng):
+def radiance(scene, origin, d, end, rng):
     """One camera path. Returns (L, whether it met something, at which distance, albedo, normal).
+
+    At distance `end` it meets what is not of this scene, and ends.
 
     `origin` is float64; the ray is computed in float64 until it enters the volume, so that a camera
     far away or a volume far from the world's origin costs no precision (HC-08).
@@ -90,7 +92,9 @@ def radiance(scene, origin, d, rng):
     d_index = transform(camera.index_from_world, wide(d))
     index, distance = light_seen(scene.light_tree, scene.area_lights, narrow(origin), d)
     shift = nearest_approach(scene.receivers, origin, d)
-    t, v, rng = next_event(scene, origin, d, o_index, d_index, shift, distance, rng)
+    t, v, rng = next_event(scene, origin, d, o_index, d_index, shift, min(distance, end), rng)
+    if t < 0.0 and end < distance:
+        return BLACK, False, 0.0, BLACK, NO_NORMAL
     if t < 0.0:
         return background(scene, origin, d, index, distance), False, 0.0, BLACK, NO_NORMAL
     L, rng = scattered_light(scene.scattering, scene, v, rng)

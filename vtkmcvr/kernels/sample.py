@@ -5,7 +5,8 @@ import math
 import numpy as np
 
 from ..packed import BATCH
-from .camera import camera_ray
+from .backdrop import accumulate_behind, ray_end
+from .camera import film_position, ray_through
 from .jit import device, glue
 from .path import radiance
 from .rng import start_path
@@ -66,8 +67,11 @@ def take_sample(film, scene, row, column, sample, seed):
     """Add sample number `sample`, from 0, of a pixel to its film, which has those before it."""
     pixel = row * film.count.shape[1] + column
     rng = start_path(scene.sobol, seed, pixel, sample)
-    origin, direction, rng = camera_ray(scene.camera, scene.lens, column, row, rng)
-    L, hit, depth, albedo, normal = radiance(scene, origin, direction, rng)
+    x, y, rng = film_position(scene.camera, column, row, rng)
+    origin, d, rng = ray_through(scene.camera, scene.lens, column, x, y, rng)
+    end, layer, i, j = ray_end(scene.backdrop, x, y, d)
+    L, hit, depth, albedo, normal = radiance(scene, origin, d, end, rng)
     accumulate(film, row, column, L, hit, depth)
     accumulate_aov(film.albedo, sample + 1, row, column, albedo)
     accumulate_aov(film.normal, sample + 1, row, column, normal)
+    accumulate_behind(film.behind, scene.backdrop, sample + 1, row, column, (layer, i, j), hit)

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import os
+import tempfile
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,9 @@ from ..plan import Plan
 from ..screen import Display, shown
 from .settings import Occlusion
 from .sweep import Work
+
+if TYPE_CHECKING:
+    import pyvista
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,6 +122,16 @@ class OcclusionPicture:
         """All arrays by public name."""
         return {"rgba": self.rgba, **self.planes}
 
+    def to_pyvista(self) -> pyvista.ImageData:
+        """Image of W x H x 1 points with all arrays; `rgba` is active."""
+        from ..pyvista_hooks.convert import to_pyvista
+
+        return to_pyvista(self)
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
+        """Return `rgba`, for NumPy."""
+        return np.asarray(self.rgba, dtype)
+
     def facts(self) -> dict[str, Any]:
         """What was measured, as plain JSON values."""
         return {
@@ -188,3 +202,8 @@ class OcclusionPicture:
             f"{self.seconds:.2f} s on {self.threads} threads; looked up {share:.0%} of all "
             "fragments; biased, no error estimate"
         )
+
+    def _repr_png_(self) -> bytes:
+        """Show itself in a notebook."""
+        with tempfile.TemporaryDirectory() as folder:
+            return self.save(Path(folder) / "picture.png").read_bytes()

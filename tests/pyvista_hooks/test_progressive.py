@@ -1,0 +1,165 @@
+"""Pictures that are refined while the interface goes on."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from plotters import add, look, pixels, plotter
+
+from vtkmcvr.live import refiner
+
+
+@pytest.fixture
+def target():
+    result = plotter()
+    add(result)
+    look(result)
+    result.mcvr.enable(samples=32, progressive=True, text=True)
+    result.show(auto_close=False)
+    yield result
+    result.close()
+
+
+def view_of(target):
+    return target.mcvr._live.views[0]
+
+
+def test_wait_draws_the_finished_picture(target):
+    assert target.mcvr.wait(timeout=120)
+    assert target.mcvr.done and target.mcvr.samples == 32
+    words = view_of(target).shown.words
+    assert words.startswith("32 samples, error ") and words.endswith(" %")
+    refined = target.mcvr.picture.radiance
+    target.mcvr.enable(progressive=False)
+    pixels(target)
+    np.testing.assert_array_equal(target.mcvr.picture.radiance, refined)
+
+
+def test_a_new_view_is_shown_within_its_frame_and_then_refined(target):
+    target.mcvr.wait(timeout=120)
+    look(target, (3.0, 2.0, 6.0))
+    target.render()
+    assert not target.mcvr.done and target.mcvr.samples <= 1
+    assert view_of(target).waiting
+    # The next frame without a change begins the refinement
+    target.render()
+    assert target.mcvr.wait(timeout=120)
+    assert target.mcvr.samples == 32
+
+
+def test_a_change_stops_the_refinement_at_once(target):
+    target.mcvr.enable(samples=2**30)
+    target.render()
+    target.render()
+    job = view_of(target).job
+    assert not job.cancelled
+    look(target, (3.0, 2.0, 6.0))
+    begin = time.perf_counter()
+    target.render()
+    assert job.cancelled
+    assert time.perf_counter() - begin < 5
+    samples = job.samples
+    time.sleep(0.3)
+    assert job.samples - samples <= 1
+
+
+def test_errors_of_the_thread_reach_the_interface(target, monkeypatch):
+    target.mcvr.wait(timeout=120)
+
+    def fail(self, most=None):
+        raise MemoryError("no room")
+
+    monkeypatch.setattr("vtkmcvr.live.job.Job.advance", fail)
+    look(target, (3.0, 2.0, 6.0))
+    target.render()
+    target.render()
+    view_of(target).refiner.wait(10)
+    with pytest.warns(RuntimeWarning, match="no room"):
+        target.render()
+
+
+def test_closing_ends_the_thread(target):
+    target.mcvr.enable(samples=2**30)
+    target.render()
+    target.render()
+    assert any(thread.name == "vtkmcvr" for thread in threading.enumerate())
+    target.mcvr.disable()
+    assert not any(thread.name == "vtkmcvr" for thread in threading.enumerate())
+
+
+class _Steps:
+    """A job of five steps that takes notes."""
+
+    def __init__(self, notes, name):
+        self.notes, self.name, self.samples = notes, name, 0
+        self.done = self.cancelled = False
+
+    def cancel(self):
+        self.cancelled = True
+
+    def advance(self):
+        self.notes.append(self.name)
+        self.samples += 1
+        self.done = self.samples == 5
+
+
+def test_several_views_are_refined_in_turn():
+    notes, worker = [], refiner.Refiner()
+    one, other = _Steps(notes, "a"), _Steps(notes, "b")
+    with worker._change:
+        worker.put("one", one)
+        worker.put("other", other)
+    assert worker.wait(10)
+    worker.close()
+    assert sorted(notes) == list("aaaaabbbbb")
+    assert notes[:2] == ["a", "b"] and notes[2:4].count("a") == 1
+
+
+@pytest.mark.skipif(shutil.which("Xvfb") is None, reason="no X server (Xvfb) for a window")
+def test_a_window_is_refined_by_its_own_timer(tmp_path):
+    server = subprocess.Popen(
+        ["Xvfb", "-noreset", "-displayfd", "1", "-screen", "0", "800x600x24"],
+        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+    )  # fmt: skip
+    try:
+        display = ":" + server.stdout.readline().decode().strip()
+        script = Path(__file__).with_name("window_script.py")
+        done = subprocess.run(
+            [sys.executable, str(script), str(tmp_path / "window.png")],
+            capture_output=True, text=True, timeout=300, env={**os.environ, "DISPLAY": display},
+        )  # fmt: skip
+    finally:
+        server.terminate()
+        server.wait(10)
+        server.stdout.close()
+    assert done.returncode == 0, done.stderr
+    seen = json.loads(done.stdout.splitlines()[-1])
+    assert seen["done"]
+    assert len(seen["first"]) > 2 and seen["first"] == sorted(seen["first"])
+    assert seen["restarted"] >= 7
+    assert seen["after_drag"] <= 1
+    assert seen["text"].startswith("64 samples")
+    # Generous: other programs may be running
+    assert np.median(seen["views"]) < 1.0 and seen["gap"] < 1.0
+
+
+def test_occlusion_has_a_coarse_picture_first():
+    target = plotter()
+    add(target)
+    look(target)
+    target.mcvr.enable(technique="occlusion", progressive=True, text=True)
+    target.show(auto_close=False)
+    assert view_of(target).shown.samples == 0 and not target.mcvr.done
+    assert target.mcvr.wait(timeout=120)
+    assert target.mcvr.done and view_of(target).shown.words == "occlusion"
+    finished = pixels(target)
+    target.mcvr.enable(progressive=False)
+    np.testing.assert_array_equal(pixels(target)[:60], finished[:60])
+    target.close()

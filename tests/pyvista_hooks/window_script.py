@@ -1,0 +1,66 @@
+"""Run in a window of an X server: drags the mouse by events, and prints what happened as JSON."""
+
+import json
+import sys
+import time
+
+import pyvista as pv
+from plotters import add, blob, look
+
+
+def main():
+    target = pv.Plotter(window_size=(320, 240), lighting="none")
+    target.add_light(pv.Light(position=(3, 4, 9), light_type="scene light"))
+    add(target, blob())
+    look(target)
+    target.mcvr.enable(samples=64)
+    seen, gaps, last = [], [], [time.perf_counter()]
+
+    def watch(*_):
+        now = time.perf_counter()
+        gaps.append(now - last[0])
+        last[0] = now
+        if not seen or seen[-1] != target.mcvr.samples:
+            seen.append(target.mcvr.samples)
+
+    target.show(interactive_update=True, auto_close=False)
+    interactor = target.iren.interactor
+    interactor.AddObserver("TimerEvent", watch)
+    interactor.CreateRepeatingTimer(10)
+    finish(target, interactor)
+    first = list(seen)
+    # A drag of the left button: each move is a new view with a first estimate of its own
+    before, views = target.mcvr._live.views[0].restarts, []
+    interactor.SetEventInformation(160, 120, 0, 0)
+    interactor.InvokeEvent("LeftButtonPressEvent")
+    for step in range(8):
+        interactor.SetEventInformation(160 + 4 * step, 120, 0, 0)
+        begin = time.perf_counter()
+        interactor.InvokeEvent("MouseMoveEvent")
+        views.append(time.perf_counter() - begin)
+    interactor.InvokeEvent("LeftButtonReleaseEvent")
+    restarted = target.mcvr._live.views[0].restarts - before
+    after_drag = target.mcvr.samples
+    gaps.clear()
+    last[0] = time.perf_counter()
+    finish(target, interactor)
+    text = target.mcvr._live.views[0].shown.words
+    image = target.screenshot(sys.argv[1], return_img=True)
+    result = {
+        "first": first, "restarted": restarted, "after_drag": after_drag, "done": target.mcvr.done,
+        "views": views, "gap": max(gaps), "text": text, "mean": float(image.mean()),
+    }  # fmt: skip
+    target.close()
+    print(json.dumps(result))
+
+
+def finish(target, interactor, seconds=120):
+    """Handle events until the picture is done."""
+    end = time.perf_counter() + seconds
+    while not target.mcvr.done and time.perf_counter() < end:
+        interactor.ProcessEvents()
+        time.sleep(0.002)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,214 @@
+"""One picture in the making: a planned scene and its film, advanced step by step."""
+
+from __future__ import annotations
+
+import math
+import threading
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import schedule
+from ..accuracy import image_error
+from ..occlusion import OcclusionPicture, render_occlusion
+from ..picture import Display, Picture
+from ..plan import Plan
+from ..rendering import empty_film
+from ..scene import Scene
+from .settings import LiveSettings
+from .shown import picture_of
+
+# Longest time between two pictures to show
+STEP_SECONDS = 0.5
+
+
+# Structures of scenes whose kernels are in memory
+_compiled: set[Any] = set()
+
+
+def structure(part: Any) -> Any:
+    """What kernels are compiled for: which parts are there, and their types."""
+    if isinstance(part, tuple):
+        return type(part).__name__, tuple(map(structure, part))
+    if isinstance(part, np.ndarray):
+        return part.dtype.str, part.ndim
+    return type(part)
+
+
+def is_compiled(planned: Plan) -> bool:
+    """Whether the kernels of a scene are in memory already."""
+    return structure(planned.packed) in _compiled
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A picture to show, and how good it is.
+
+    Attributes
+    ----------
+    pixels : array (H, W, 4)
+        Bytes, straight alpha, row 0 on top.
+    samples : int
+        Samples per pixel; 0 where a sample stands for several.
+    error : float
+        Estimated NRMS; NaN where the technique is biased, inf where it is not known yet.
+    done : bool
+        Whether the target is reached.
+    """
+
+    pixels: NDArray[np.uint8]
+    samples: int
+    error: float
+    done: bool
+
+    @property
+    def words(self) -> str:
+        """What stands in the corner: "128 samples, error 1.8 %"."""
+        if math.isnan(self.error):
+            return "occlusion"
+        if not self.samples:
+            return "preview"
+        known = f", error {100 * self.error:.2g} %" if math.isfinite(self.error) else ""
+        return f"{self.samples} sample{'s' if self.samples != 1 else ''}{known}"
+
+
+class Cancellable:
+    """Something that another thread may tell to stop."""
+
+    samples: int
+
+    def __init__(self) -> None:
+        self._cancelled = threading.Event()
+        self.newest: Estimate | None = None
+        self.stopped_by = ""
+
+    def cancel(self) -> None:
+        """Stop as soon as the tiles at work are finished."""
+        self._cancelled.set()
+
+    @property
+    def cancelled(self) -> bool:
+        """Whether it has been told to stop."""
+        return self._cancelled.is_set()
+
+    @property
+    def done(self) -> bool:
+        """Whether there is nothing left to do."""
+        return bool(self.stopped_by)
+
+    def finish(self) -> None:
+        """Go on until the target is reached."""
+        while not self.done and not self.cancelled:
+            self.advance()
+
+    def advance(self, most: int | None = None) -> None:
+        """Make the next estimate."""
+        raise NotImplementedError
+
+
+class Job(Cancellable):
+    """A picture that is refined until its target is reached or it is cancelled.
+
+    Only one thread may call `advance`; any may cancel and look at `newest`.
+
+    Parameters
+    ----------
+    scene : Plan
+    settings : LiveSettings
+    edges : array (H, W), optional
+        Pixels at an edge of the scene's backdrop.
+    """
+
+    def __init__(
+        self, scene: Plan, settings: LiveSettings, edges: NDArray[np.bool_] | None = None
+    ) -> None:
+        super().__init__()
+        self.plan, self.settings, self.edges = scene, settings, edges
+        self.exposure = settings.exposure_of(scene.scene)
+        self.film = empty_film(scene)
+        self.spent = 0.0
+
+    @property
+    def samples(self) -> int:  # type: ignore[override]
+        """Samples per pixel so far."""
+        return int(self.film.count.min())
+
+    def advance(self, most: int | None = None) -> None:
+        """Add samples for up to half a second, or up to `most` in all, and make an estimate."""
+        goal = self._next(self.samples, most)
+        rules = schedule.StopRules(goal, self._time_left(), self._aborted, self.settings.nrms)
+        threads = self.settings.threads or schedule.default_threads()
+        why, seconds = schedule.run(self.plan.packed, self.film, rules, self.settings.seed, threads)
+        self.spent += seconds
+        _compiled.add(structure(self.plan.packed))
+        if self.cancelled:
+            return
+        samples = self.samples
+        if why != "samples" or samples == self.settings.most_samples:
+            self.stopped_by = why
+        self.newest = Estimate(
+            picture_of(self.film, self.exposure, self.edges), samples,
+            image_error(self.film).nrms, self.done,
+        )  # fmt: skip
+
+    def picture(self) -> Picture:
+        """Return the picture so far, which shares the film."""
+        threads = self.settings.threads or schedule.default_threads()
+        return Picture(
+            self.film, self.plan, Display(self.exposure), self.spent,
+            self.stopped_by or "user", self.settings.seed, threads,
+        )  # fmt: skip
+
+    def _next(self, samples: int, most: int | None) -> int:
+        """Twice the samples, as far as they take half a second."""
+        goal = max(1, 2 * samples)
+        if samples and self.spent > 0:
+            goal = min(goal, samples + max(1, int(STEP_SECONDS * samples / self.spent)))
+        for limit in (most, self.settings.most_samples):
+            goal = goal if limit is None else min(goal, limit)
+        return goal
+
+    def _time_left(self) -> float | None:
+        if self.settings.seconds is None:
+            return None
+        return max(self.settings.seconds - self.spent, 1e-3)
+
+    def _aborted(self) -> bool:
+        return self.cancelled
+
+
+class OcclusionJob(Cancellable):
+    """The same by directional occlusion: one pass, no samples.
+
+    Parameters
+    ----------
+    scene : Scene
+    settings : LiveSettings
+    """
+
+    edges = None
+
+    def __init__(self, scene: Scene, settings: LiveSettings) -> None:
+        super().__init__()
+        self.scene, self.settings = scene, settings
+        self.samples = 0
+        self._picture: OcclusionPicture | None = None
+
+    def advance(self, most: int | None = None) -> None:
+        """Render the picture."""
+        picture = render_occlusion(
+            self.scene, self.settings.occlusion, threads=self.settings.threads,
+            display=Display(self.settings.exposure_of(self.scene)), abort=lambda: self.cancelled,
+        )  # fmt: skip
+        if self.cancelled:
+            return
+        self.samples, self.stopped_by, self._picture = 1, "end", picture
+        self.newest = Estimate(picture.rgba, 1, math.nan, True)
+
+    def picture(self) -> OcclusionPicture:
+        """Return the picture, once it is done."""
+        if self._picture is None:
+            raise RuntimeError("the picture is not done yet")
+        return self._picture

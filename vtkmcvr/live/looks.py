@@ -1,0 +1,186 @@
+"""What a vtkVolume is made of -> volumes, looks and cuts, kept while nothing in VTK has changed."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from vtkmodules.vtkCommonDataModel import vtkImageData
+from vtkmodules.vtkRenderingCore import vtkVolume
+
+from ..curves import ColourCurve
+from ..display import srgb_decode
+from ..layers import Layer
+from ..scene import Volume
+from ..vtk_cutting import clip_of, cropping_of
+from ..vtk_labels import mask_of
+from ..vtk_scene import Look, VolumeCache, looks_of, matrix_of, refuse_mapper_features
+from ..vtk_volume import check_image
+from .props import identity
+
+# Nodes, about, of a colour function in linear light
+COLOURS = 512
+
+
+class VolumeLooks:
+    """The layers of one vtkVolume; the same objects while what they come from is unchanged."""
+
+    def __init__(self) -> None:
+        self._volumes = VolumeCache()
+        self._looks: tuple[Look, ...] = ()
+        self._layers: tuple[Layer, ...] = ()
+        self._look_key: tuple[Any, ...] | None = None
+        self._key: tuple[Any, ...] | None = None
+
+    def layers(self, prop: vtkVolume, gradient_factor: float) -> tuple[Layer, ...]:
+        """Layers of a vtkVolume, one for each of its independent components.
+
+        Parameters
+        ----------
+        prop : vtkVolume
+        gradient_factor : float
+            Of surfaces, where the property has shading on.
+
+        Raises
+        ------
+        TypeError, ValueError
+            Where its data, functions or mapper are of a kind that is not supported.
+        """
+        key = (*volume_key(prop), gradient_factor)
+        if key != self._key:
+            self._layers = self._translated(prop, gradient_factor)
+            # Asking for functions that were never set makes them, which counts as a change
+            self._key = (*volume_key(prop), gradient_factor)
+        return self._layers
+
+    def _translated(self, prop: vtkVolume, gradient_factor: float) -> tuple[Layer, ...]:
+        mapper, image = mapper_of(prop), image_of(prop)
+        refuse_mapper_features(mapper)
+        cuts = {"clip": clip_of(mapper)}
+        mask, labels = mask_of(mapper, prop.GetProperty())
+        looks = self._placed_looks(prop, image, gradient_factor)
+        return tuple(
+            Layer(
+                look.volume, look.transfer, look.surface, mask=mask, labels=labels,
+                crop=cropping_of(mapper, image, look.volume), **cuts,
+            )
+            for look in looks
+        )  # fmt: skip
+
+    def _placed_looks(
+        self, prop: vtkVolume, image: vtkImageData, gradient_factor: float
+    ) -> tuple[Look, ...]:
+        key = (image, image.GetMTime(), look_time(prop), matrix_key(prop), gradient_factor)
+        if key != self._look_key:
+            looks = looks_of(
+                image, prop.GetProperty(), scalars=scalars_of(prop),
+                gradient_factor=gradient_factor, volume=self._volumes.volume,
+            )  # fmt: skip
+            matrix = matrix_of(prop.GetMatrix())
+            self._looks = tuple(_placed(_in_linear_light(look), matrix) for look in looks)
+            self._look_key = (
+                image,
+                image.GetMTime(),
+                look_time(prop),
+                matrix_key(prop),
+                gradient_factor,
+            )
+        return self._looks
+
+
+def volume_key(prop: vtkVolume) -> tuple[Any, ...]:
+    """Everything about a vtkVolume that decides its picture, as values to compare."""
+    mapper, image = mapper_of(prop), image_of(prop)
+    mask = getattr(mapper, "GetMaskInput", lambda: None)()
+    crop = (mapper.GetCroppingRegionPlanes(), mapper.GetCroppingRegionFlags())
+    return (
+        identity(prop), identity(image), image.GetMTime(), scalars_of(prop), look_time(prop),
+        matrix_key(prop), mapper.GetBlendMode(), mapper.GetCropping() and crop, plane_key(mapper),
+        mask and (identity(mask), mask.GetMTime(), mapper.GetMaskType()),
+    )  # fmt: skip
+
+
+def mapper_of(prop: vtkVolume) -> Any:
+    """Mapper of a volume: a vtkVolumeMapper, or another one that `check_image` will refuse."""
+    return prop.GetMapper()
+
+
+def image_of(prop: vtkVolume) -> vtkImageData:
+    """Up-to-date image of a volume; a TypeError that says what to do for any other data."""
+    mapper = mapper_of(prop)
+    if mapper.GetNumberOfInputConnections(0):
+        mapper.GetInputAlgorithm().Update()
+    image = mapper.GetDataSetInput() if hasattr(mapper, "GetDataSetInput") else mapper.GetInput()
+    check_image(image)
+    return image
+
+
+def scalars_of(prop: vtkVolume) -> str | None:
+    """Name of the array that the mapper takes; None: the active one."""
+    mapper = mapper_of(prop)
+    named = mapper.GetArrayAccessMode() == 1 and mapper.GetScalarMode() in (3, 4)
+    return mapper.GetArrayName() or None if named else None
+
+
+def look_time(prop: vtkVolume) -> int:
+    """Time at which the property or one of its functions has changed."""
+    own = prop.GetProperty()
+    times = [own.GetMTime()]
+    if own.GetTransferFunctionMode() == 1 and own.GetTransferFunction2D() is not None:
+        times.append(own.GetTransferFunction2D().GetMTime())
+    return max(times)
+
+
+def matrix_key(prop: vtkVolume) -> bytes:
+    """Place of the volume in the world."""
+    return matrix_of(prop.GetMatrix()).tobytes()
+
+
+def plane_key(mapper: Any) -> tuple[Any, ...]:
+    """Clipping planes of a mapper."""
+    planes = mapper.GetClippingPlanes()
+    if planes is None:
+        return ()
+    items = [planes.GetItem(i) for i in range(planes.GetNumberOfItems())]
+    return tuple((p.GetOrigin(), p.GetNormal()) for p in items)
+
+
+def _placed(look: Look, matrix: np.ndarray) -> Look:
+    if np.array_equal(matrix, np.eye(4)):
+        return look
+    volume = look.volume
+    moved = Volume(volume.values, matrix @ volume.index_to_world, volume.colours)
+    return look._replace(volume=moved)
+
+
+def _in_linear_light(look: Look) -> Look:
+    """Look whose colours, chosen on a display as they are, have become reflectances.
+
+    The picture is encoded for the display at its end, which gives the colours back.
+    """
+    transfer, volume = look.transfer, look.volume
+    if volume.colours is not None and volume.colours.dtype == np.uint8:
+        linear = srgb_decode(volume.colours.astype(np.float32) / 255)
+        return look._replace(volume=Volume(volume.values, volume.index_to_world, linear))
+    if transfer.table is not None:
+        rgba = np.dstack([srgb_decode(transfer.table.rgba[..., :3]), transfer.table.rgba[..., 3]])
+        return look._replace(transfer=replace(transfer, table=replace(transfer.table, rgba=rgba)))
+    assert transfer.colour is not None
+    return look._replace(transfer=replace(transfer, colour=linear_colours(transfer.colour)))
+
+
+def linear_colours(curve: ColourCurve) -> ColourCurve:
+    """Colour curve in linear light of one in sRGB: its nodes, with more between them if few."""
+    nodes = [np.array(node) for node in curve.nodes]
+    parts = max(1, COLOURS // len(nodes))
+    rows = [nodes[0][:4]]
+    for one, other in itertools.pairwise(nodes):
+        if parts > 1 and other[0] > one[0]:
+            x = np.linspace(one[0], other[0], parts + 1)[1:-1]
+            rows.extend(np.column_stack([x, curve(x)]))
+        rows.append(other[:4])
+    table = np.array(rows)
+    table[:, 1:] = srgb_decode(table[:, 1:])
+    return ColourCurve(tuple(map(tuple, table.tolist())), curve.clamp)

@@ -1,0 +1,75 @@
+"""The first estimate of a new view, made within a frame: as many pixels as there is time for."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from .. import schedule
+from ..backdrop import Backdrop
+from ..occlusion import Occlusion, render_occlusion
+from ..picture import Display
+from ..plan import Plan, plan
+from ..rendering import empty_film
+from ..scene import Scene
+from .job import Estimate
+from .settings import LiveSettings
+from .shown import picture_of
+
+COARSEST = 8
+# The same for occlusion, whose time depends little on the number of pixels
+OCCLUSION_SCALE, OCCLUSION_DETAIL = 3, 0.35
+# Camera paths per second, before any have been traced
+GUESS = 5e5
+
+
+class Preview:
+    """One sample in each pixel of a film that is coarser than the window's where it must be."""
+
+    def __init__(self) -> None:
+        self._rate = GUESS
+
+    def estimate(self, planned: Plan, settings: LiveSettings) -> Estimate:
+        """First estimate of a planned scene."""
+        scene = planned.scene
+        if settings.technique == "occlusion":
+            return _occlusion(coarsened(scene, OCCLUSION_SCALE), settings)
+        scale = self._scale(scene.size, settings.preview)
+        coarse = plan(coarsened(scene, scale), planned) if scale > 1 else planned
+        film = empty_film(coarse)
+        threads = settings.threads or schedule.default_threads()
+        rules = schedule.StopRules(1, None, None)
+        _, seconds = schedule.run(coarse.packed, film, rules, settings.seed, threads)
+        paths = film.count.size
+        self._rate = 0.5 * self._rate + 0.5 * paths / max(seconds, 1e-4)
+        return Estimate(
+            picture_of(film, settings.exposure_of(scene)), 1 if scale == 1 else 0, math.inf, False
+        )
+
+    def _scale(self, size: tuple[int, int], seconds: float) -> int:
+        """Edge of a pixel of the estimate, in the window's pixels."""
+        need = math.sqrt(size[0] * size[1] / max(self._rate * seconds, 1.0))
+        return int(np.clip(math.ceil(need), 1, COARSEST))
+
+
+def _occlusion(scene: Scene, settings: LiveSettings) -> Estimate:
+    own = settings.occlusion or Occlusion()
+    quick = Occlusion(half_angle=own.half_angle, mode="fast", detail=OCCLUSION_DETAIL)
+    picture = render_occlusion(
+        scene, quick, threads=settings.threads, display=Display(settings.exposure_of(scene))
+    )
+    return Estimate(picture.rgba, 0, math.nan, False)
+
+
+def coarsened(scene: Scene, scale: int) -> Scene:
+    """Scene on a film of larger pixels."""
+    width, height = (max(1, round(n / scale)) for n in scene.size)
+    backdrop = scene.backdrop
+    if backdrop is not None:
+        rows = np.minimum(np.arange(height) * scale + scale // 2, scene.size[1] - 1)
+        columns = np.minimum(np.arange(width) * scale + scale // 2, scene.size[0] - 1)
+        there = np.ix_(np.zeros(1, int), rows, columns)
+        backdrop = Backdrop(backdrop.depth[there], backdrop.colour[there], backdrop.offsets[:1])
+    return replace(scene, size=(width, height), backdrop=backdrop)

@@ -1,0 +1,140 @@
+"""A renderer -> the scene that it shows, and values by which a change is noticed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from vtkmodules.vtkRenderingCore import vtkActor, vtkProp, vtkRenderer, vtkVolume
+
+from ..backdrop import Backdrop
+from ..camera import PixelFilter
+from ..display import srgb_decode
+from ..layers import Layer
+from ..receivers import MeshReceiver
+from ..scene import Scene
+from ..vtk_mesh import mesh_of
+from ..vtk_property import phase_of
+from ..vtk_scene import camera_of, matrix_of
+from .film_place import Place
+from .lighting import Environment, lights_key, scene_lights
+from .looks import VolumeLooks, volume_key
+from .props import identity
+from .settings import LiveSettings
+
+# Each ray belongs to one pixel, as a sample of VTK's multisampling does
+PIXEL = PixelFilter("box", 0.5)
+
+
+def camera_key(renderer: vtkRenderer) -> tuple[Any, ...]:
+    """View of a renderer as values to compare; the clipping range is none of it."""
+    camera = renderer.GetActiveCamera()
+    return (
+        camera.GetPosition(), camera.GetFocalPoint(), camera.GetViewUp(), camera.GetViewAngle(),
+        camera.GetParallelProjection(), camera.GetParallelScale(), camera.GetWindowCenter(),
+        camera.GetUseHorizontalViewAngle(), camera.GetFocalDisk(), camera.GetFocalDistance(),
+    )  # fmt: skip
+
+
+def scene_key(
+    renderer: vtkRenderer,
+    place: Place,
+    volumes: Sequence[vtkVolume],
+    surfaces: Sequence[vtkActor],
+    drawn: Sequence[vtkProp],
+) -> tuple[Any, ...]:
+    """Everything that decides the picture of a renderer, as values to compare."""
+    return (
+        camera_key(renderer), place, renderer.GetRenderWindow().GetTileViewport(),
+        tuple(map(volume_key, volumes)), lights_key(renderer),
+        # Those that are traced are hidden for each frame, which counts as a change
+        tuple(map(_surface_key, surfaces)),
+        tuple((identity(p), p.GetMTime(), p.GetRedrawMTime()) for p in drawn),
+    )  # fmt: skip
+
+
+def _surface_key(actor: vtkActor) -> tuple[Any, ...]:
+    data, look = actor.GetMapper().GetInput(), actor.GetProperty()
+    return identity(actor), identity(data), data.GetMTime(), look.GetMTime(), _matrix_key(actor)
+
+
+def _matrix_key(actor: vtkActor) -> bytes:
+    return matrix_of(actor.GetMatrix()).tobytes()
+
+
+class SceneReader:
+    """Scenes of one renderer; parts that have not changed are the same objects again."""
+
+    def __init__(self) -> None:
+        self._looks: dict[str, VolumeLooks] = {}
+        self._meshes: dict[str, tuple[Any, MeshReceiver]] = {}
+        self._environment = Environment()
+
+    def scene(
+        self,
+        renderer: vtkRenderer,
+        size: tuple[int, int],
+        volumes: Sequence[vtkVolume],
+        surfaces: Sequence[vtkActor],
+        backdrop: Backdrop | None,
+        settings: LiveSettings,
+    ) -> Scene:
+        """Scene of a renderer.
+
+        Parameters
+        ----------
+        renderer : vtkRenderer
+        size : (width, height)
+            Of the film, pixels.
+        volumes : sequence of vtkVolume
+            At least one.
+        surfaces : sequence of vtkActor
+            Traced as receivers.
+        backdrop : Backdrop, optional
+            What VTK draws.
+        settings : LiveSettings
+
+        Raises
+        ------
+        TypeError, ValueError
+            Where VTK has something that a scene cannot express.
+        """
+        first, *others = self._layers(volumes, settings)
+        camera = camera_of(
+            renderer.GetActiveCamera(), settings.lens, aspect=renderer.GetTiledAspectRatio()
+        )
+        lights = scene_lights(renderer, camera, first.volume, settings.lighting, self._environment)
+        return Scene(
+            first.volume, first.transfer, camera, lights, first.surface,
+            phase_of(volumes[0].GetProperty()), scattering=settings.scattering, size=size,
+            pixel_filter=PIXEL, clip=first.clip, crop=first.crop, mask=first.mask,
+            labels=first.labels, layers=tuple(others), backdrop=backdrop,
+            receivers=self._receivers(surfaces),
+        )  # fmt: skip
+
+    def _layers(self, volumes: Sequence[vtkVolume], settings: LiveSettings) -> list[Layer]:
+        known = {identity(v): self._looks.get(identity(v)) or VolumeLooks() for v in volumes}
+        self._looks = known
+        return [
+            layer
+            for v in volumes
+            for layer in known[identity(v)].layers(v, settings.gradient_factor)
+        ]
+
+    def _receivers(self, surfaces: Sequence[vtkActor]) -> tuple[MeshReceiver, ...]:
+        known = {}
+        for actor in surfaces:
+            data = actor.GetMapper().GetInput()
+            colour = actor.GetProperty().GetDiffuseColor()
+            smooth = actor.GetProperty().GetInterpolation() > 0
+            matrix = matrix_of(actor.GetMatrix())
+            key = (identity(data), data.GetMTime(), colour, smooth, matrix.tobytes())
+            old = self._meshes.get(identity(actor))
+            if old is None or old[0] != key:
+                linear = tuple(srgb_decode(np.array(colour)).tolist())
+                mesh = mesh_of(data, user_matrix=matrix, smooth=smooth, colour=linear)
+                old = (key, mesh)
+            known[identity(actor)] = old
+        self._meshes = known
+        return tuple(mesh for _, mesh in known.values())

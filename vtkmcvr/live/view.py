@@ -1,0 +1,259 @@
+"""Volumes of one renderer, drawn by light transport instead of by VTK's mapper."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from typing import Any
+
+from vtkmodules.vtkCommonCore import vtkCommand
+from vtkmodules.vtkRenderingCore import vtkProp, vtkRenderer
+
+from ..backdrop import Backdrop
+from ..plan import Plan, plan
+from ..scene import Scene
+from .corner import CornerText
+from .depths import CENTRE, SPREAD, DepthPass, edges_of, together
+from .film_place import Place, place_of
+from .job import Estimate, Job, OcclusionJob, is_compiled
+from .preview import Preview
+from .props import is_plain_surface, opaque_props, volumes_of
+from .quad import PictureQuad
+from .reading import SceneReader, scene_key
+from .refiner import Refiner
+from .settings import LiveSettings
+
+# Places of a pixel at which the meshes are looked at in one frame, so that no frame takes long
+PLACES = 2
+
+
+class LiveView:
+    """Draws the volumes of a renderer whenever it renders.
+
+    Where nothing changes, the newest estimate is drawn. Where something has changed, the first
+    estimate of the new picture is made within the frame, and the refiner goes on with it; or, in a
+    window without events, the whole picture is.
+
+    While the renderer draws, the volumes are hidden; at all other times they are as the user left
+    them.
+
+    Parameters
+    ----------
+    renderer : vtkRenderer
+    settings : LiveSettings
+    refiner : Refiner
+    progressive : callable
+        Whether pictures are refined from frame to frame, asked for each frame.
+    """
+
+    def __init__(
+        self,
+        renderer: vtkRenderer,
+        settings: LiveSettings,
+        refiner: Refiner,
+        progressive: Callable[[], bool],
+    ) -> None:
+        self.renderer, self.refiner, self.progressive = renderer, refiner, progressive
+        self.settings = settings
+        self.error: BaseException | None = None
+        self.restarts = 0
+        self.job: Job | OcclusionJob | None = None
+        self.shown: Estimate | None = None
+        self._reader, self._depths, self._preview = SceneReader(), DepthPass(), Preview()
+        self._quad, self._text = PictureQuad(), CornerText()
+        self._key: tuple[Any, ...] | None = None
+        self._plan: Plan | None = None
+        self._places: list[Backdrop] = []
+        self._settled = True
+        self._hidden: list[vtkProp] = []
+        self._drawing = False
+        self._quad.attach(renderer)
+        self._text.attach(renderer)
+        self._tags = [
+            renderer.AddObserver(vtkCommand.StartEvent, self._start),
+            renderer.AddObserver(vtkCommand.EndEvent, self._end),
+        ]
+
+    @property
+    def waiting(self) -> bool:
+        """Whether another frame would show more."""
+        if self.job is None:
+            return not self._settled
+        return self.job.newest is not self.shown
+
+    def change(self, settings: LiveSettings) -> None:
+        """Take other settings from the next frame on."""
+        self.settings = settings
+        self._key = None
+
+    def check(self) -> None:
+        """Raise what is wrong with the renderer's volumes."""
+        volumes = volumes_of(self.renderer)
+        if volumes:
+            surfaces, drawn = self._around()
+            self._check_technique(surfaces, drawn)
+            plan(self._scene((64, 64), volumes, surfaces, None))
+
+    def close(self) -> None:
+        """Leave everything to VTK again."""
+        self.refiner.drop(self)
+        for tag in self._tags:
+            self.renderer.RemoveObserver(tag)
+        self._tags = []
+        self._show_again()
+        self._quad.detach(self.renderer)
+        self._text.detach(self.renderer)
+
+    # Frames
+
+    def _start(self, *_: Any) -> None:
+        if self._drawing:
+            return
+        self._drawing = True
+        try:
+            self._frame()
+            self.error = None
+        except Exception as error:
+            self._fail(error)
+        finally:
+            self._drawing = False
+
+    def _end(self, *_: Any) -> None:
+        self._show_again()
+
+    def _frame(self) -> None:
+        volumes, place = volumes_of(self.renderer), place_of(self.renderer)
+        self._quad.come_last(self.renderer)
+        if not volumes or place.empty:
+            self._rest()
+            return
+        surfaces, drawn = self._around()
+        key = scene_key(self.renderer, place, volumes, surfaces, drawn)
+        if key != self._key:
+            self._restart(place, volumes, surfaces, drawn)
+            # Reading a scene may create functions that were never set
+            self._key = scene_key(self.renderer, place, volumes, surfaces, drawn)
+        elif not self._settled and self._looked_around(place, drawn):
+            self._settle(place, volumes, surfaces, drawn)
+        self._swap()
+        self._hide([*volumes, *surfaces])
+
+    def _restart(self, place: Place, volumes: Any, surfaces: Any, drawn: Any) -> None:
+        """Begin a new picture."""
+        self.restarts += 1
+        self.refiner.drop(self)
+        self.job = self.shown = None
+        self._places = []
+        self._quad.actor.VisibilityOff()
+        self._check_technique(surfaces, drawn)
+        if self.progressive():
+            backdrop = self._backdrop(place, drawn, CENTRE) if drawn else None
+            planned = self._planned(self._scene(place[2:], volumes, surfaces, backdrop))
+            if self.settings.technique == "occlusion" or is_compiled(planned):
+                self._show(self._preview.estimate(planned, self.settings))
+                self._settled = False
+                return
+            # Until the kernels are there the picture is VTK's own
+            self._text.say("compiling")
+        self._settle(place, volumes, surfaces, drawn)
+
+    def _settle(self, place: Place, volumes: Any, surfaces: Any, drawn: Any) -> None:
+        """Make the picture in full, here or in the background."""
+        rest = SPREAD[len(self._places) :]
+        self._places += [self._backdrop(place, drawn, [offset]) for offset in rest if drawn]
+        backdrop = together(self._places) if drawn else None
+        self._places = []
+        scene = self._scene(place[2:], volumes, surfaces, backdrop)
+        if self.settings.technique == "occlusion":
+            self.job = OcclusionJob(scene, self.settings)
+        else:
+            edges = None if backdrop is None else edges_of(backdrop)
+            self.job = Job(self._planned(scene), self.settings, edges)
+        self._settled = True
+        if self.progressive():
+            self.refiner.put(self, self.job)
+        else:
+            self.job.finish()
+
+    def _looked_around(self, place: Place, drawn: Any) -> bool:
+        """Look at a few more places of each pixel; whether all have been looked at."""
+        if not drawn or not self.progressive():
+            return True
+        more = SPREAD[len(self._places) :][:PLACES]
+        self._places += [self._backdrop(place, drawn, [offset]) for offset in more]
+        return len(self._places) == len(SPREAD)
+
+    def _planned(self, scene: Scene) -> Plan:
+        self._plan = plan(scene, self._plan)
+        return self._plan
+
+    def _swap(self) -> None:
+        """Show the newest estimate."""
+        if self.job is None:
+            return
+        if not self.progressive() and not self.job.done:
+            self.refiner.wait()
+        self.refiner.reraise()
+        newest = self.job.newest
+        if newest is not None and newest is not self.shown:
+            self._show(newest)
+
+    def _show(self, estimate: Estimate) -> None:
+        self.shown = estimate
+        self._quad.show(estimate.pixels)
+        self._quad.smooth(estimate.samples == 0)
+        self._quad.actor.VisibilityOn()
+        wanted = self.settings.text
+        self._text.say(estimate.words if (self.progressive() if wanted is None else wanted) else "")
+
+    # Parts of a frame
+
+    def _around(self) -> tuple[list[Any], list[Any]]:
+        """Surfaces to be traced, and props that VTK draws."""
+        props = opaque_props(self.renderer, self._quad.actor)
+        if self.settings.meshes == "drawn":
+            return [], props
+        surfaces = [prop for prop in props if is_plain_surface(prop)]
+        return surfaces, [prop for prop in props if prop not in surfaces]
+
+    def _check_technique(self, surfaces: Any, drawn: Any) -> None:
+        if self.settings.technique == "occlusion" and (surfaces or drawn):
+            raise ValueError(
+                'technique "occlusion" knows no meshes: hide them, or use technique "monte-carlo"'
+            )
+
+    def _scene(self, size: Any, volumes: Any, surfaces: Any, backdrop: Backdrop | None) -> Scene:
+        return self._reader.scene(
+            self.renderer, tuple(size), volumes, surfaces, backdrop, self.settings
+        )
+
+    def _backdrop(self, place: Place, drawn: Any, offsets: Any) -> Backdrop:
+        return self._depths.read(self.renderer, place, drawn, offsets)
+
+    def _hide(self, props: list[vtkProp]) -> None:
+        if self.shown is None:
+            return
+        self._hidden = props
+        for prop in props:
+            prop.VisibilityOff()
+
+    def _show_again(self) -> None:
+        for prop in self._hidden:
+            prop.VisibilityOn()
+        self._hidden = []
+
+    def _rest(self) -> None:
+        """Draw nothing: there is no volume."""
+        self.refiner.drop(self)
+        self.job = self.shown = self._key = None
+        self._settled = True
+        self._quad.actor.VisibilityOff()
+        self._text.say("")
+
+    def _fail(self, error: BaseException) -> None:
+        """Leave this picture to VTK, and say why once."""
+        first = repr(error) != repr(self.error)
+        self._rest()
+        self.error = error
+        if first:
+            warnings.warn(f"volumes are drawn by VTK: {error}", RuntimeWarning, stacklevel=2)

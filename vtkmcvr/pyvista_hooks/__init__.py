@@ -1,0 +1,1 @@
+"""What PyVista finds by entry points: `image.mcvr` and `plotter.mcvr`."""

@@ -1,0 +1,23 @@
+"""Picture -> pyvista.ImageData."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pyvista as pv
+
+from ..vtk_image import image_of_arrays
+
+if TYPE_CHECKING:
+    from ..occlusion import OcclusionPicture
+    from ..picture import Picture
+
+
+def to_pyvista(picture: Picture | OcclusionPicture) -> pv.ImageData:
+    """Image of W x H x 1 points with a picture's arrays; the bottom row of the picture comes first.
+
+    `image.plot(scalars="rgba", rgba=True, cpos="xy")` shows it.
+    """
+    image = pv.ImageData()
+    image.ShallowCopy(image_of_arrays(picture.arrays()))
+    return image
