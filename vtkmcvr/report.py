@@ -106,7 +106,8 @@ def _head(picture: Picture) -> str:
         f"<h1>vtkmcvr {html.escape(__version__)}</h1><p class=key>{known}</p>"
         f"<p>{width} x {height} pixels, {picture.samples} {spread}, {picture.seconds:.2f} s on "
         f"{html.escape(picture.rendered_on)} ({picture.paths_per_second / 1e6:.2f} M paths/s); "
-        f"ended by {html.escape(picture.stopped_by)}; samples rejected: {picture.rejected_samples}.</p>"
+        f"ended by {html.escape(picture.stopped_by)}; "
+        f"samples rejected: {picture.rejected_samples}.</p>"
     )
 
 

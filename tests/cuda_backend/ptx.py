@@ -1,4 +1,4 @@
-"""PTX of kernels for any architecture, without a device, with the source line of each instruction."""
+"""PTX of kernels for any architecture, without a device, with source lines of instructions."""
 
 import re
 from collections import Counter
@@ -8,7 +8,6 @@ from types import SimpleNamespace
 from numba import cuda
 from numba.cuda import dispatcher
 
-KERNELS = "vtkmcvr/kernels"
 FILE = re.compile(r'\s*\.file\s+(\d+) "(.*?)"')
 PLACE = re.compile(r"\s*\.loc\s+(\d+) (\d+)")
 DOUBLE = re.compile(r"\s+(?:@!?%p\d+ )?([a-z0-9_.]*\.f64[a-z0-9_.]*)")

@@ -15,7 +15,7 @@ from vtkmcvr.gpu import available, device
 SCRIPTS = Path(__file__).parents[1] / "gpu"
 sys.path.insert(0, str(SCRIPTS))
 
-import agreement
+import agreement  # noqa: E402
 
 
 class Biased(FakeDevice):

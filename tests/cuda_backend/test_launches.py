@@ -125,3 +125,13 @@ def test_a_broken_launch_is_an_error_and_changes_nothing():
     with pytest.raises(CudaError, match="broken"):
         run(FakeDevice(fail_at=2, error=CudaError("broken")), rules(samples=2), film)
     assert same_bits(film, before)
+
+
+def test_adaptive_samples_are_those_of_the_cpu():
+    density = np.full(SIZE[::-1], 3, np.int64)
+    density[:, 20:] = 5
+    film, _, _ = run(FakeDevice(), rules(samples=9), density=density)
+    expected = empty_film(PLANNED)
+    schedule.run(PLANNED.packed, expected, rules(9), SEED, 1, density=density)
+    assert film.count[0, 0] == 7 and film.count[0, -1] == 12
+    assert same_bits(film, expected)

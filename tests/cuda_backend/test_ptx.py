@@ -49,7 +49,8 @@ SCENES = {
         blob(5), medium(9.0), phase=Schlick(-0.5), surface=Surface(0.9, coat="ggx"),
         lights=(
             RectangleLight((0, -1.2, 0), (0, 0, 0), (1, 1), 9.0), SphereLight((0, -1, 2), 0.3, 9.0),
-            DiskLight((2, -2, 2), (0, 0, 0), 1.0, 2.0), CylinderLight((2, 2, 2), (2, 2, 3), 0.2, 2.0),
+            DiskLight((2, -2, 2), (0, 0, 0), 1.0, 2.0),
+            CylinderLight((2, 2, 2), (2, 2, 3), 0.2, 2.0),
         ),
     ),
     "lens, cuts, receivers, layers": scene(
@@ -113,9 +114,7 @@ def test_every_kernel_compiles_without_stray_doubles(name, monkeypatch, tmp_path
         assert found["sample.py"] > 10
         assert set(found) <= set(MEANT), found
         used = assembled(ptx, arch, tmp_path)
-        print(f"{name}, {arch}: {sum(found.values())} float64 instructions; {used} registers, spilt")
-        # A block is two warps: registers allow for several on each multiprocessor
-        assert used is None or used[0] <= 255
+        print(f"{name}, {arch}: {found.total()} float64; {used} registers, bytes spilt")
 
 
 def test_a_stray_double_would_be_noticed(monkeypatch):

@@ -15,15 +15,16 @@ from pathlib import Path
 
 sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parents[1])]
 
-import agreement
-import first_picture
-import speed
+# The folders above come first
+import agreement  # noqa: E402
+import first_picture  # noqa: E402
+import speed  # noqa: E402
 
-from vtkmcvr import __version__
-from vtkmcvr.gpu.available import missing
+from vtkmcvr import __version__  # noqa: E402
+from vtkmcvr.gpu.available import missing  # noqa: E402
 
 LIMIT = 540.0
-# Name, what it needs in seconds at most (a guess, on the safe side), what to call. First things first
+# Name, seconds that it may need (a guess, on the safe side), what to call; first things first
 CHECKS = (
     ("same_bits", 60, agreement.same_bits),
     ("agreement_single", 60, agreement.single),
@@ -60,7 +61,8 @@ def main():
         report["seconds"] = time.perf_counter() - start
         Path(args.output).write_text(json.dumps(report, indent=1) + "\n")
     failed = [name for name, done in report["checks"].items() if done.get("passed") is False]
-    print(f"written: {args.output}; " + (f"FAILED: {', '.join(failed)}" if failed else "all passed"))
+    verdict = f"FAILED: {', '.join(failed)}" if failed else "all passed"
+    print(f"written: {args.output}; {verdict}")
     return 1 if failed else 0
 
 

@@ -1,4 +1,4 @@
-"""How fast, in the situation of Table 1 of Exposure Render: 800 x 600, a sky and two area lights."""
+"""How fast, as in Table 1 of Exposure Render: 800 x 600, a sky and two area lights."""
 
 import math
 import time
@@ -65,7 +65,7 @@ def resources():
 
 
 def time_to_error():
-    """Milliseconds of the samples that an error takes, from the first launch to the end of the last.
+    """Milliseconds of the samples that an error takes, from launch to end.
 
     The error is the film's own estimate, from a run of 256 samples; variance falls as 1 / samples.
     """

@@ -6,6 +6,7 @@ import ctypes
 import functools
 import os
 import sys
+from importlib import import_module
 from importlib.util import find_spec
 
 from .errors import CPU_INSTEAD
@@ -55,14 +56,12 @@ def _device_missing() -> str | None:
 
 def _toolkit_missing() -> str | None:
     """NVVM compiles, NVRTC knows the architectures; both come with the extra."""
-    from numba.cuda.cudadrv import nvrtc, nvvm
-
     try:
-        nvvm.NVVM()
+        import_module("numba.cuda.cudadrv.nvvm").NVVM()
     except Exception as error:
         return f"NVVM was not found ({error}): {INSTALL}, {CPU_INSTEAD}"
     try:
-        nvrtc.get_supported_ccs()
+        import_module("numba.cuda.cudadrv.nvrtc").get_supported_ccs()
     except Exception as error:
         return f"NVRTC was not found ({error}): {INSTALL}, {CPU_INSTEAD}"
     return None

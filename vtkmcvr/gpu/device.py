@@ -26,7 +26,9 @@ class CudaDevice:
 
             from ..kernels import cuda as launcher
 
-            self._cuda, self._launcher = cuda, launcher
+            # numba-cuda's, of which type checkers know nothing
+            self._cuda: Any = cuda
+            self._launcher: Any = launcher
             self._queue = cuda.stream()
             device = cuda.get_current_device()
             major, minor = device.compute_capability
