@@ -11,6 +11,8 @@ from numba.cuda import dispatcher
 FILE = re.compile(r'\s*\.file\s+(\d+) "(.*?)"')
 PLACE = re.compile(r"\s*\.loc\s+(\d+) (\d+)")
 DOUBLE = re.compile(r"\s+(?:@!?%p\d+ )?([a-z0-9_.]*\.f64[a-z0-9_.]*)")
+# Where the optimiser made one instruction of several
+MERGED = "merged"
 # Moves, loads and stores of doubles cost no more than those of two floats
 NO_ARITHMETIC = ("mov", "ld", "st", "selp")
 
@@ -35,13 +37,13 @@ def ptx_of(kernel, types, capability):
 
 def doubles(ptx):
     """Arithmetic in float64: how many instructions, by source file."""
-    files, here, found = {}, "?", Counter()
+    files, here, found = {}, MERGED, Counter()
     for line in ptx.splitlines():
         if match := FILE.match(line):
             files[match[1]] = Path(match[2]).name
     for line in ptx.splitlines():
         if match := PLACE.match(line):
-            here = files[match[1]]
+            here = files[match[1]] if match[2] != "0" else MERGED
         elif (match := DOUBLE.match(line)) and not match[1].startswith(NO_ARITHMETIC):
             found[here] += 1
     return found
