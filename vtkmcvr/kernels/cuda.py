@@ -76,5 +76,6 @@ if not config.ENABLE_CUDASIM:
     from numba.cuda.dispatcher import CUDADispatcher
 
     for function in (collide_more, layer_vertex, through_more):
-        _unrolls(function)
+        if hasattr(function, "py_func"):
+            _unrolls(function)
     _cached(render_rows)
