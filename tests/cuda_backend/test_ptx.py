@@ -126,6 +126,22 @@ def test_every_kernel_compiles_without_stray_doubles(name, monkeypatch, tmp_path
         print(f"{name}, {arch}: {found.total()} float64; {used} registers, bytes spilt")
 
 
+@pytest.mark.slow
+def test_kernel_of_a_launch_links_to_machine_code(monkeypatch):
+    from numba.cuda import codegen
+    from numba.cuda.dispatcher import _Kernel
+    from ptx import pretend
+
+    from vtkmcvr.kernels.cuda import render_rows
+
+    pretend(monkeypatch, HOPPER)
+    monkeypatch.setattr(codegen.CUDACodeLibrary, "_ensure_cc", lambda self, cc: cc or HOPPER)
+    types = parameter_types(plan(SCENES["single, hybrid, all kinds of light"]))
+    kernel = _Kernel(render_rows.py_func, types, **render_rows.targetoptions)
+    # An ELF file
+    assert kernel._codelibrary.get_cubin(cc=HOPPER).code[:4] == b"\x7fELF"
+
+
 def disk(x, y, phase, gloss):
     return concentric_disk(x, y)
 
