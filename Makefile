@@ -4,6 +4,8 @@ VENV ?= .venv
 RUN := $(VENV)/bin/python -m
 # The package as it is when installed, with filters/ in its place
 TREE := build/lint
+# Compiling kernels takes one core; tests of two files run at once
+WORKERS ?= 2
 INSTALL := $(RUN) pip install --quiet --disable-pip-version-check
 
 .PHONY: demo test slow sanitize numerics lint bench accuracy speed gpu clean
@@ -25,11 +27,11 @@ demo: $(VENV)/installed
 	$(RUN) vtkmcvr demo
 
 test: $(VENV)/installed-test
-	$(RUN) pytest -m "not slow and not bench"
+	$(RUN) pytest -n $(WORKERS) --dist loadfile -m "not slow and not bench"
 
 # Long statistics, and the comparison with Mitsuba where it is installed
 slow: $(VENV)/installed-test
-	$(RUN) pytest -m slow
+	$(RUN) pytest -n $(WORKERS) --dist loadfile -m slow
 
 # Kernels as plain Python, where a float that overflows or divides by zero is an error; then compiled
 # with bounds checks, which have a cache of their own

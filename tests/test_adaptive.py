@@ -16,7 +16,7 @@ from vtkmcvr.film_merge import merge
 from vtkmcvr.front import render as front_render
 from vtkmcvr.lights import ConstantEnvironment, EnvironmentMap
 from vtkmcvr.recipe import recipe_of
-from vtkmcvr.replay import replay
+from vtkmcvr.replaying import replay
 from vtkmcvr.scene import Camera
 
 LIT = (ConstantEnvironment(1.0),)

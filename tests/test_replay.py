@@ -15,7 +15,7 @@ from vtkmcvr.picture import Display
 from vtkmcvr.png_chunks import with_text
 from vtkmcvr.recipe import counts_of, plain_counts, recipe_of
 from vtkmcvr.recipe_files import read_recipe
-from vtkmcvr.replay import replay
+from vtkmcvr.replaying import replay
 from vtkmcvr.scene import TransferFunction, Volume
 
 SUFFIXES = (".png", ".exr", ".vti", ".npz")

@@ -27,7 +27,7 @@ _HOME = {
     "estimate": "prediction",
     "study": "costs.study",
     "write_report": "report",
-    "replay": "replay",
+    "replay": "replaying",
     "read_recipe": "recipe_files",
     "Occlusion": "occlusion",
     "OcclusionPicture": "occlusion",
@@ -131,7 +131,7 @@ if TYPE_CHECKING:
     from .receivers import BoxReceiver, MeshReceiver, PlaneReceiver, SphereReceiver
     from .recipe_files import read_recipe
     from .rendering import render_scene
-    from .replay import replay
+    from .replaying import replay
     from .report import write_report
     from .scene import (
         Camera,

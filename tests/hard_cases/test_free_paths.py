@@ -164,11 +164,11 @@ def test_hc09_extreme_extinction_ends(record, technique, watchdog):
     seen = lit(slab((2, 2, 2), 9), opaque, frontal(0.9))
     picture = check_alpha(record, "HC-09", "opacity 1, density 1e6", technique, seen, 16, 1.0)
     assert any("cut off" in note for note in picture.plan.notes)
-    # The front face, 4 away: 64 optical depths per voxel of 0.25; half a slice of 0.55 voxel
+    # The front face, 4 away: 64 optical depths per voxel of 0.25; half a slice of 0.24 voxel
     depth = float(picture.depth.mean(dtype=np.float64))
     expected, tolerance = 4 + 1 / 256, 4.5 / 256 / 64
     if technique not in MONTE_CARLO:
-        expected, tolerance = 4 + 0.25 * 0.55 / 2, 1e-3
+        expected, tolerance = 4 + 0.25 * 0.24 / 2, 1e-3
     record("HC-09", "its depth", technique, expected, depth, tolerance)
 
 

@@ -133,7 +133,7 @@ def test_films_that_do_not_fit_are_refused():
     with pytest.raises(ValueError, match=r"only one of the films .* batches"):
         merge(film, new_film(4, 4))
     with pytest.raises(ValueError, match=r"whole batches of 16"):
-        merge(film, render(lit, 8).film)
+        merge(*(render(lit, 8, seed).film for seed in (1, 2)))
 
 
 @pytest.mark.parametrize("seconds", [1e-3, 0.02])

@@ -246,7 +246,7 @@ def test_every_field_of_a_scene_is_drawn_or_named():
     left = {
         "max_scatterings", "estimator", "step", "shadow_reach", "environment_visible",
         "ratio_tracking", "light_sampling", "aovs", "sampler", "clip", "crop", "mask", "labels",
-        "receivers", "layers",
+        "receivers", "layers", "backdrop",
     }  # fmt: skip
     drawn = {
         "volume", "transfer", "camera", "lights", "surface", "phase", "scattering", "size",

@@ -35,7 +35,7 @@ def add_replay(commands: Any) -> None:
 def _replay(args: argparse.Namespace) -> int:
     from ..picture import check_suffix
     from ..recipe_files import read_recipe
-    from ..replay import replay
+    from ..replaying import replay
 
     check_suffix(args.output)
     say = say_to(args)
