@@ -86,7 +86,7 @@ def test_monte_carlo(floats, name):
     # In this thread, because NumPy's error state is that of a thread
     planned = plan(replace(SCENES[name], size=(6, 5)))
     film = empty_film(planned)
-    render_tile(film, planned.packed, 0, 5, 0, 6, 2, 1)
+    render_tile(film, planned.packed, 0, 5, 0, 6, np.full((5, 6), 2), 1)
     assert (film.count == 2).all()
     assert not film.rejected.any()
     assert np.isfinite(film.mean).all()
