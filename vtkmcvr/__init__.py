@@ -26,6 +26,7 @@ _HOME = {
     "render_scene": "rendering",
     "estimate": "prediction",
     "study": "costs.study",
+    "count_work": "work.count",
     "write_report": "report",
     "replay": "replaying",
     "read_recipe": "recipe_files",
@@ -152,6 +153,7 @@ if TYPE_CHECKING:
     from .segmentation import Segmentation
     from .studio import view_camera
     from .vtk_look import look_of_property, property_of_look
+    from .work.count import count_work
 
 
 def __getattr__(name: str) -> Any:
