@@ -18,7 +18,7 @@ from .. import checks
 from ..plan import Plan, plan
 from ..rendering import empty_film
 from ..scene import Scene
-from .sources import load_kernels
+from .sources import DECORATORS, load_kernels
 
 # What is counted -> functions and how many each call is worth. Where a name ends in "?", calls
 # whose first argument is None do not count: the effect is absent.
@@ -126,7 +126,8 @@ def count_work(scene: Scene | Plan, paths: int = 1000, seed: int = 0) -> Work:
     checks.whole("seed", seed, least=0)
     planned = scene if isinstance(scene, Plan) else plan(scene)
     counts: Counter[str] = Counter()
-    render_tile = load_kernels("cpu", functools.partial(_counted, counts)).render_tile
+    counted = functools.partial(_counted, counts)
+    render_tile = load_kernels("cpu", dict.fromkeys(DECORATORS, counted)).render_tile
     film = empty_film(planned)
     # Arithmetic of NumPy's scalars tells of overflows, which random numbers are made of
     with np.errstate(all="ignore"):

@@ -14,22 +14,23 @@ import importlib.util
 import itertools
 import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import ModuleType
 
 KERNELS = Path(__file__).parent.parent / "kernels"
 DECORATORS = ("device", "exact", "glue", "kernel", "entry_point")
 
-Decorator = Callable[[Callable], Callable]
+Decorators = Mapping[str, Callable[[Callable], Callable]]
 Rewrite = Callable[[ast.Module], ast.Module]
 
+# Numbers of the sets so far
 _numbers = itertools.count()
 _lock = threading.Lock()
 
 
 def load_kernels(
-    module: str, decorator: Decorator | None = None, rewrite: Rewrite | None = None
+    module: str, decorators: Decorators, rewrite: Rewrite | None = None
 ) -> ModuleType:
     """Load a module of `vtkmcvr.kernels`, and what it imports, once more.
 
@@ -37,8 +38,9 @@ def load_kernels(
     ----------
     module : str
         Such as "cpu".
-    decorator : callable, optional
-        Takes the place of every decorator of `kernels.jit`. Default: those decorators.
+    decorators : mapping
+        What takes the place of each of `DECORATORS` of `kernels.jit`. On-disk caches know no second
+        set: functions of it must not get any.
     rewrite : callable, optional
         Changes the syntax tree of each module before it runs.
     """
@@ -49,20 +51,13 @@ def load_kernels(
     finder = _Finder(name, rewrite)
     with _lock:
         sys.modules[name] = package
-        if decorator is not None:
-            sys.modules[f"{name}.jit"] = _decorators(f"{name}.jit", decorator)
+        sys.modules[f"{name}.jit"] = jit = ModuleType(f"{name}.jit")
+        vars(jit).update(decorators)
         sys.meta_path.insert(0, finder)
         try:
             return importlib.import_module(f"{name}.{module}")
         finally:
             sys.meta_path.remove(finder)
-
-
-def _decorators(name: str, decorator: Decorator) -> ModuleType:
-    module = ModuleType(name)
-    for which in DECORATORS:
-        setattr(module, which, decorator)
-    return module
 
 
 class _Finder(importlib.abc.MetaPathFinder):
