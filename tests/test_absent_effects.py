@@ -14,7 +14,12 @@ from vtkmcvr.plan import plan
 from vtkmcvr.rendering import empty_film
 from vtkmcvr.scene import Camera, Lens
 
-SCENES = {"one light": scene(lights=(DirectionalLight((0.3, 1, -1)),)), "everything": everything()}
+# And how far the two builds may differ: they are optimised in another order, because their
+# functions have other names
+SCENES = {
+    "one light": (scene(lights=(DirectionalLight((0.3, 1, -1)),)), 0.005),
+    "everything": (everything(), 0.03),
+}
 # Moves and jumps, which depend on the order in which registers are given out
 PLUMBING = ("mov", "vmov", "j", "lea", "nop", "push", "pop", "xchg")
 
@@ -32,23 +37,23 @@ def instructions(planned, absent=()):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SCENES)
 def test_machine_code_is_that_of_a_build_without_the_absent_effects(name):
-    planned = plan(SCENES[name])
+    some, tolerance = SCENES[name]
+    planned = plan(some)
     absent = absent_parts(planned.packed) | absent_parts(empty_film(planned))
     assert {"lens", "clip", "labels", "backdrop", "emission"} <= absent
     whole, without = instructions(planned), instructions(planned, absent)
     assert whole.total() > 2000
-    # The two differ in names of functions, so that the order of some instructions may differ
-    assert abs(whole.total() - without.total()) < 0.005 * without.total()
+    assert abs(whole.total() - without.total()) < tolerance * without.total()
     for counts in (whole, without):
         for word in list(counts):
             if word.startswith(PLUMBING):
                 del counts[word]
-    assert (whole - without).total() + (without - whole).total() < 0.005 * without.total()
+    assert (whole - without).total() + (without - whole).total() < tolerance * without.total()
 
 
 @pytest.mark.slow
 def test_an_effect_that_is_there_is_noticed():
-    without = plan(SCENES["one light"])
+    without = plan(SCENES["one light"][0])
     lensed = plan(replace(without.scene, camera=Camera((0, -5, 0), (0, 0, 0), lens=Lens(0.1))))
     assert instructions(lensed).total() > 1.005 * instructions(without).total()
 

@@ -27,6 +27,7 @@ _HOME = {
     "estimate": "prediction",
     "study": "costs.study",
     "count_work": "work.count",
+    "effect_costs": "costs.effects",
     "write_report": "report",
     "replay": "replaying",
     "read_recipe": "recipe_files",
@@ -94,6 +95,7 @@ _HOME = {
 __all__ = ["__version__", *_HOME]
 
 if TYPE_CHECKING:
+    from .costs.effects import effect_costs
     from .costs.study import study
     from .curves import ColourCurve, Curve
     from .cutting import Box, Cropping, Plane, Sphere

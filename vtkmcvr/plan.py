@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import packed
-from .effects import Effect
+from .effects import Effect, EffectCost, table
 from .pack import f32
 from .phases import Phase
 from .plan_camera import pack_backdrop, pack_camera, pack_lens
@@ -63,11 +64,16 @@ class Plan:
     corners: NDArray[np.float64]
     volumes: tuple[PackedVolume, ...] = ()
 
-    def explain(self) -> str:
-        """Every effect, on or off, with its reason; then the notes."""
-        width = max(len(effect.name) for effect in self.effects)
-        lines = [f"{e.name:<{width}}  {'on ' if e.on else 'off'}  {e.reason}" for e in self.effects]
-        return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
+    def explain(self, costs: Sequence[EffectCost] = ()) -> str:
+        """Every effect, on or off, with its reason; then the notes.
+
+        Parameters
+        ----------
+        costs : sequence of EffectCost, optional
+            From `vtkmcvr.effect_costs(plan.scene)`: adds what leaving an effect out would save, and
+            how much it would change the picture.
+        """
+        return "\n".join([*table(self.effects, costs), *(f"note: {note}" for note in self.notes)])
 
     @property
     def empty(self) -> bool:

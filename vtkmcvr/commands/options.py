@@ -11,6 +11,8 @@ from .inputs import add_input_options
 from .occlusion_options import add_occlusion_options
 from .transport_options import add_display_options, add_transport_options
 
+MEASURED = "measured"
+
 
 def add_scene_options(parser: argparse.ArgumentParser, *, all_times: bool = False) -> None:
     """Everything that decides what is seen."""
@@ -78,6 +80,14 @@ def add_render_options(parser: argparse.ArgumentParser) -> None:
         "--dry-run",
         action="store_true",
         help="predict samples, time and memory for --nrms (0.01) from a short pilot; no picture",
+    )
+    add(
+        "--explain",
+        nargs="?",
+        const="reasons",
+        choices=("reasons", MEASURED),
+        help="say which effects were simulated and why; measured: and what each of them costs, by "
+        "rendering the scene without it",
     )
     add("--report", metavar="FILE", help="page about the picture, its error and its cost: .html")
     add("--json", metavar="FILE", help="what was measured")

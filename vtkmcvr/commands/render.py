@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING, Any
 from .. import __version__
 from .inputs import read_as_asked
 from .occlusion_options import occlusion_options
-from .options import add_render_options
+from .options import MEASURED, add_render_options
 from .scenes import demo_volume, flipped, scene_options
 from .terminal import Bar, Interrupt, say_to, write_json
 from .transport_options import displayed
 
 if TYPE_CHECKING:
+    from ..effects import EffectCost
     from ..occlusion import OcclusionPicture
     from ..picture import Picture
     from ..scene import Scene
@@ -78,22 +79,24 @@ def _render(args: argparse.Namespace) -> int:
 def make_picture(data: Any, args: argparse.Namespace, *, explain: bool = False) -> int:
     """Render, save, report; returns the exit status."""
     from ..picture import check_suffix
-    from ..report import check_report
+    from ..report import check_report, write_report
 
     check_suffix(args.output)
     check_report(args.report)
     say = say_to(args)
     picture = picture_of(data, args)
     picture.save(args.output, bits=args.bits)
-    if explain:
-        say(picture.plan.explain())
+    costs = _measured(picture, args)
+    if explain or args.explain:
+        say(picture.plan.explain(costs if args.explain == MEASURED else ()))
     for note in picture.recipe["notes"]:
         say(f"note: {note}")
     say(_cost(picture))
     say(f"picture: {Path(args.output).resolve()}")
     write_json(args.json, picture_facts(picture))
     if args.report:
-        _report(picture, args)
+        path = write_report(picture, args.report, costs)
+        say(f"report: {path.resolve()}")
     return 0
 
 
@@ -135,14 +138,15 @@ def _predict(data: Any, args: argparse.Namespace) -> int:
     return 0
 
 
-def _report(picture: Any, args: argparse.Namespace) -> None:
+def _measured(picture: Picture | OcclusionPicture, args: argparse.Namespace) -> list[EffectCost]:
+    """What each effect costs, where somebody asks for it and it can be switched off."""
     from ..costs.effects import effect_costs
-    from ..report import write_report
+    from ..picture import Picture
 
+    if not isinstance(picture, Picture) or not (args.report or args.explain == MEASURED):
+        return []
     seconds = min(max(REPORT_SHARE * picture.seconds, 0.2), 10.0)
-    costs = effect_costs(picture.plan.scene, seconds, args.threads)
-    path = write_report(picture, args.report, costs)
-    say_to(args)(f"report: {path.resolve()}")
+    return effect_costs(picture.plan.scene, seconds, args.threads)
 
 
 def picture_facts(picture: Picture | OcclusionPicture) -> dict[str, Any]:
