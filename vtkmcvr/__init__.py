@@ -28,6 +28,7 @@ _HOME = {
     "study": "costs.study",
     "count_work": "work.count",
     "effect_costs": "costs.effects",
+    "warm_up": "warming",
     "write_report": "report",
     "replay": "replaying",
     "read_recipe": "recipe_files",
@@ -155,6 +156,7 @@ if TYPE_CHECKING:
     from .segmentation import Segmentation
     from .studio import view_camera
     from .vtk_look import look_of_property, property_of_look
+    from .warming import warm_up
     from .work.count import count_work
 
 

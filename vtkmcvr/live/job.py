@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from .. import schedule
 from ..accuracy import image_error
 from ..occlusion import OcclusionPicture, render_occlusion
+from ..pack import structure
 from ..picture import Display, Picture
 from ..plan import Plan
 from ..rendering import empty_film
@@ -26,15 +27,6 @@ STEP_SECONDS = 0.5
 
 # Structures of scenes whose kernels are in memory
 _compiled: set[Any] = set()
-
-
-def structure(part: Any) -> Any:
-    """What kernels are compiled for: which parts are there, and their types."""
-    if isinstance(part, tuple):
-        return type(part).__name__, tuple(map(structure, part))
-    if isinstance(part, np.ndarray):
-        return part.dtype.str, part.ndim
-    return type(part)
 
 
 def is_compiled(planned: Plan) -> bool:
