@@ -13,7 +13,7 @@ from .layers import Layer
 from .pack import f32, matrix64, vector64
 from .plan_cutting import pack_cuts
 from .plan_labels import constant_shape, rows_of, stacked_tables
-from .plan_medium import pack_medium
+from .plan_medium import NOWHERE, pack_medium
 from .plan_surface import pack_surface
 from .plan_transfer import pack_transfer, transfer_effects
 from .scene import Scene
@@ -41,7 +41,7 @@ class PackedVolume:
     @property
     def empty(self) -> bool:
         """Whether nothing in it can scatter or absorb."""
-        return not bool((self.medium.majorant > 0).any())
+        return bool(self.medium.active_hi[0] <= NOWHERE)
 
     @property
     def corners(self) -> NDArray[np.float64]:
