@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .. import __version__
+from ..memory import peak_memory
 from .inputs import read_as_asked
 from .occlusion_options import occlusion_options
 from .options import MEASURED, add_render_options
@@ -91,7 +92,7 @@ def make_picture(data: Any, args: argparse.Namespace, *, explain: bool = False) 
         say(picture.plan.explain(costs if args.explain == MEASURED else ()))
     for note in picture.recipe["notes"]:
         say(f"note: {note}")
-    say(_cost(picture))
+    say(_cost(picture) + _memory())
     say(f"picture: {Path(args.output).resolve()}")
     write_json(args.json, picture_facts(picture))
     if args.report:
@@ -157,7 +158,13 @@ def picture_facts(picture: Picture | OcclusionPicture) -> dict[str, Any]:
         "preset": picture.recipe["preset"],
         "version": __version__,
         "notes": picture.recipe["notes"],
+        "peak_memory": peak_memory(),
     }
+
+
+def _memory() -> str:
+    peak = peak_memory()
+    return "" if peak is None else f"; {peak / 2**20:.0f} MiB of memory at most"
 
 
 def _cost(picture: Picture | OcclusionPicture) -> str:
