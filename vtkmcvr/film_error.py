@@ -14,8 +14,8 @@ from . import packed
 
 Plane = NDArray[np.float64]
 
-# Neighbourhood over which variances are pooled: weights that fall linearly over 9 x 9 pixels, a mean
-# over 5 x 5 taken twice
+# Neighbourhood over which variances are pooled: weights that fall linearly over 9 x 9 pixels, as a
+# mean over 5 x 5 taken twice has
 RADIUS = 2
 # Samples that the neighbourhood counts for beside a pixel's own. On a CT head, an engine and a CT
 # thorax, intervals of 8 samples cover the truth in 53 to 72 % of the pixels by their own variance
