@@ -130,7 +130,8 @@ class Segmentation:
     @property
     def gone(self) -> tuple[int, ...]:
         """Labels that the volume beside is shown without."""
-        return tuple(dict.fromkeys((*self.hide, *(() if self.only_hides else self.shown))))
+        hidden = tuple(value for value in self.names if value in self.hide)
+        return hidden if self.only_hides else tuple(dict.fromkeys((*hidden, *self.shown)))
 
     def _transfer(self, value: int, edge: float) -> TransferFunction:
         faint = bool(self.highlight) and value not in self.highlight
