@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from . import checks
 from .front import scene_of
@@ -66,10 +67,11 @@ def warm_up(
 
 def _plans(kind: str, look: str, aovs: Sequence[str]) -> Iterator[Plan]:
     """Plans of a look for small volumes of one type, with and without what CT looks leave out."""
-    values, *place = head_phantom(POINTS)
+    head = head_phantom(POINTS)
+    values: NDArray = head.values
     if np.dtype(kind).kind == "u":
         values = np.interp(values, (values.min(), values.max()), (0, np.iinfo(kind).max))
-    volume = Volume.from_grid(values.astype(kind), *place)
+    volume = Volume.from_grid(values.astype(kind), head.spacing, head.origin)
     for whole in (False, True):
         scene = scene_of(volume, preset=look, size=(8, 6), whole=whole, aovs=tuple(aovs)).scene
         yield plan(scene)

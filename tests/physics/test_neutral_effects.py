@@ -34,6 +34,8 @@ pytestmark = pytest.mark.slow
 
 SUN = (DirectionalLight((0.3, 1, -1), 2.0),)
 PLAIN = scene(blob(), medium(4.0, 0.7), frontal(0.9), size=(24, 24), lights=SUN)
+# Equal to float32, but not the same: one that is would switch labels off
+LIKE = medium(4.0 * (1 + 1e-9), 0.7)
 FAR = (900.0, 900.0, 900.0)
 
 
@@ -49,7 +51,7 @@ NEUTRAL = {
     "emission": with_transfer(emission=ColourCurve([(0, DARK, DARK, DARK)])),
     "gradient classification": with_transfer(gradient_opacity=Curve([(0, 1 - 1e-6), (99, 1)])),
     "clipping": {"clip": (Plane(FAR, (-1, 0, 0)),)},
-    "labels": {"labels": Labels(np.arange(17**3).reshape(17, 17, 17) % 2, {1: PLAIN.transfer})},
+    "labels": {"labels": Labels(np.arange(17**3).reshape(17, 17, 17) % 2, {1: LIKE})},
     "more volumes": {"layers": (Layer(blob(9), medium(1e-9)),)},
     "receivers": {"receivers": (BoxReceiver(FAR, (1, 1, 1)),)},
     "constant environment": {"lights": (*SUN, ConstantEnvironment(DARK))},

@@ -85,7 +85,7 @@ def make_picture(data: Any, args: argparse.Namespace, *, explain: bool = False) 
     check_suffix(args.output)
     check_report(args.report)
     say = say_to(args)
-    picture = picture_of(data, args)
+    picture: Any = picture_of(data, args)
     picture.save(args.output, bits=args.bits)
     costs = _measured(picture, args)
     if explain or args.explain:
