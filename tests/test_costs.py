@@ -14,6 +14,7 @@ import pytest
 from scenes import blob, everything, frontal, medium, render, scene, slab
 
 from vtkmcvr import ColourCurve, Curve, Labels, Layer, Lens, Plane, PlaneReceiver, Surface
+from vtkmcvr.cli import main
 from vtkmcvr.costs import stored, summary
 from vtkmcvr.costs.effects import SWITCHES, _without, effect_costs
 from vtkmcvr.costs.families import LIGHTS, NUMBERS, RADII, apertures, families
@@ -449,3 +450,20 @@ def test_each_switch_turns_off_what_it_says():
             assert not switched & after, name
             seen.add(name)
     assert seen == set(SWITCHES)
+
+
+def demo(tmp_path, *options):
+    size = ["--size", "16x12", "--samples", "1", "-o", str(tmp_path / "p.png")]
+    return main(["demo", *size, *options])
+
+
+@pytest.mark.slow
+def test_command_explains_and_measures(tmp_path, capsys):
+    assert demo(tmp_path, "--explain", "measured") == 0
+    line = next(x for x in capsys.readouterr().out.splitlines() if x.startswith("shadows"))
+    assert line.count("%") == 2
+
+
+def test_command_measures_no_occlusion(tmp_path, capsys):
+    assert demo(tmp_path, "--explain", "measured", "--technique", "occlusion") == 2
+    assert "not for --technique occlusion" in capsys.readouterr().err

@@ -84,6 +84,8 @@ def make_picture(data: Any, args: argparse.Namespace, *, explain: bool = False) 
 
     check_suffix(args.output)
     check_report(args.report)
+    if args.explain == MEASURED and args.technique == "occlusion":
+        raise ValueError("--explain measured is not for --technique occlusion")
     say = say_to(args)
     picture: Any = picture_of(data, args)
     picture.save(args.output, bits=args.bits)
@@ -139,12 +141,11 @@ def _predict(data: Any, args: argparse.Namespace) -> int:
     return 0
 
 
-def _measured(picture: Picture | OcclusionPicture, args: argparse.Namespace) -> list[EffectCost]:
-    """What each effect costs, where somebody asks for it and it can be switched off."""
+def _measured(picture: Picture, args: argparse.Namespace) -> list[EffectCost]:
+    """What each effect costs, where somebody asks for it."""
     from ..costs.effects import effect_costs
-    from ..picture import Picture
 
-    if not isinstance(picture, Picture) or not (args.report or args.explain == MEASURED):
+    if not (args.report or args.explain == MEASURED):
         return []
     seconds = min(max(REPORT_SHARE * picture.seconds, 0.2), 10.0)
     return effect_costs(picture.plan.scene, seconds, args.threads)
