@@ -9,6 +9,12 @@ from typing import Any
 import numpy as np
 
 from . import __version__, backends, checks
+from .emission_absorption import (
+    AS_VTK,
+    EmissionAbsorption,
+    EmissionAbsorptionPicture,
+    render_emission_absorption,
+)
 from .lights import Light
 from .occlusion import Occlusion, OcclusionPicture, render_occlusion
 from .picture import Display, Picture
@@ -25,7 +31,7 @@ from .studio import View, view_camera
 from .volume_info import modality, segments, units
 from .vtk_single import single_volume
 
-TECHNIQUES = ("monte-carlo", "occlusion")
+TECHNIQUES = ("monte-carlo", "occlusion", "emission-absorption")
 # sRGB colour behind presets
 BACKDROP = (0.07, 0.08, 0.10)
 
@@ -141,6 +147,7 @@ def render(
     *,
     technique: str = "monte-carlo",
     occlusion: Occlusion | None = None,
+    emission_absorption: EmissionAbsorption | None = None,
     samples: int | None = None,
     seconds: float | None = None,
     nrms: float | None = None,
@@ -153,16 +160,19 @@ def render(
     progress: Callable[[Progress], object] | None = None,
     abort: Callable[[], bool] | None = None,
     **scene: Any,
-) -> Picture | OcclusionPicture:
+) -> Picture | OcclusionPicture | EmissionAbsorptionPicture:
     """Render a volume.
 
     Parameters
     ----------
     data : vtkImageData, pyvista.ImageData, Volume or Scene
-    technique : {"monte-carlo", "occlusion"}
-        Light transport, or directional occlusion shading: quick, without noise, biased.
+    technique : {"monte-carlo", "occlusion", "emission-absorption"}
+        Light transport; directional occlusion shading: quick, without noise, biased; emission and
+        absorption: what VTK's own volume mappers show, with no light but a lamp at the eye.
     occlusion : Occlusion, optional
         Cone, mode and accuracy of technique "occlusion", which takes no samples, seconds or seed.
+    emission_absorption : EmissionAbsorption, optional
+        Steps, rays and shading of technique "emission-absorption"; it takes none of these either.
     samples : int, optional
         Samples per pixel. Default: 64, or unlimited with `seconds` or `nrms`.
     seconds : float, optional
@@ -178,7 +188,7 @@ def render(
     backend : {"auto", "cpu", "cuda"}
         "auto": a CUDA device where there is one and numba-cuda is installed, else the CPU.
     exposure : float, optional
-        Stops. Default: the look's.
+        Stops. Default: the look's; of emission and absorption 0, and colours are shown as they are.
     background : (r, g, b) or None
         sRGB colour behind the volume, or None for a transparent picture.
     progress, abort : callable, optional
@@ -188,7 +198,7 @@ def render(
 
     Returns
     -------
-    Picture or OcclusionPicture
+    Picture, OcclusionPicture or EmissionAbsorptionPicture
 
     Examples
     --------
@@ -204,16 +214,22 @@ def render(
         whole = {"whole": True} if technique == "occlusion" else {}
         dressed = scene_of(data, **whole | scene)
     display = Display(dressed.exposure if exposure is None else exposure, background)
-    if technique == "occlusion":
-        _check_unused(samples=samples, seconds=seconds, nrms=nrms, adaptive=adaptive or None)
+    _check_settings(technique, occlusion=occlusion, emission_absorption=emission_absorption)
+    if technique != "monte-carlo":
+        _check_unused(
+            technique, samples=samples, seconds=seconds, nrms=nrms, adaptive=adaptive or None
+        )
         backends.check_unused(backend, technique)
-        result = render_occlusion(
-            dressed.scene, occlusion, threads=threads, display=display, progress=progress,
-            abort=abort,
-        )  # fmt: skip
+        how: dict[str, Any] = {"threads": threads, "progress": progress, "abort": abort}
+        result: OcclusionPicture | EmissionAbsorptionPicture
+        if technique == "occlusion":
+            result = render_occlusion(dressed.scene, occlusion, display=display, **how)
+        else:
+            as_is = replace(AS_VTK, exposure=exposure or 0.0, background=background)
+            result = render_emission_absorption(
+                dressed.scene, emission_absorption, display=as_is, **how
+            )
         return replace(result, recipe=_recipe(result, dressed, None, None, None))
-    if occlusion is not None:
-        raise ValueError('occlusion=... needs technique="occlusion"')
     picture = render_scene(
         dressed.scene, samples=samples, seconds=seconds, nrms=nrms, adaptive=adaptive, seed=seed,
         threads=threads, backend=backend, display=display, progress=progress, abort=abort,
@@ -221,17 +237,31 @@ def render(
     return replace(picture, recipe=_recipe(picture, dressed, samples, seconds, nrms))
 
 
-def _check_unused(**options: float | None) -> None:
+def _check_settings(technique: str, **settings: object) -> None:
+    """Refuse the settings of another technique."""
+    for name, value in settings.items():
+        owner = name.replace("_", "-")
+        if value is not None and owner != technique:
+            raise ValueError(f'{name}=... needs technique="{owner}"')
+
+
+ACCURACY = {
+    "occlusion": "Occlusion(directions=..., detail=...)",
+    "emission-absorption": "EmissionAbsorption(step=..., rays=...)",
+}
+
+
+def _check_unused(technique: str, **options: float | None) -> None:
     for name, value in options.items():
         if value is not None:
             raise ValueError(
-                f"technique occlusion has no {name} (got {value}); its accuracy is set by "
-                "Occlusion(directions=..., detail=...)"
+                f"technique {technique} has no {name} (got {value}); its accuracy is set by "
+                f"{ACCURACY[technique]}"
             )
 
 
 def _recipe(
-    picture: Picture | OcclusionPicture,
+    picture: Picture | OcclusionPicture | EmissionAbsorptionPicture,
     dressed: Dressed,
     samples: int | None,
     seconds: float | None,
@@ -241,7 +271,7 @@ def _recipe(
     volume, camera = dressed.scene.volume, dressed.scene.camera
     return {
         "version": __version__,
-        "technique": "occlusion" if isinstance(picture, OcclusionPicture) else "monte-carlo",
+        "technique": picture.technique,
         "preset": dressed.preset,
         "samples": samples,
         "seconds": seconds,
