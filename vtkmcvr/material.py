@@ -149,12 +149,12 @@ def _check_curve(name: str, curve: Curve | None, least: float, most: float) -> N
 
 @dataclass(frozen=True)
 class Phong:
-    """Coefficients by which VTK shades volumes, see vtkVolumeProperty; none bounds what is sent.
+    """Coefficients by which VTK shades volumes, see vtkVolumeProperty.
 
     Parameters
     ----------
     ambient, diffuse, specular : float
-        Shares, >= 0: colour (ambient + diffuse n.l) + specular (n.h)^power.
+        Shares, >= 0: colour (ambient + diffuse n.l) + specular (r.v)^power, cut off at 1.
     power : float
         Exponent of the highlight, 0 to 1e6.
     """

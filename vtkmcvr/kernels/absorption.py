@@ -134,17 +134,22 @@ def normal_at(world_from_index_gradient, medium, p, toward_eye):
 
 @device
 def shaded(phong, colour, normal, toward_eye):
-    """Colour under a lamp at the eye, both sides lit, as vtkGPUVolumeRayCastMapper has it.
+    """Colour under a lamp at the eye, both sides lit, cut off at 1: as VTK's GPU ray caster has it.
 
-    The half vector is the direction of the lamp: (n.h)^p = (n.l)^p.
+    The lamp's reflection meets the eye at twice the angle of the normal: r.v = 2 (n.v)^2 - 1.
     """
     if phong is None:
         return colour
     facing = min(dot(normal, toward_eye), ONE)
     matt = phong.ambient + phong.diffuse * facing
     # Without a gradient, ambient light only
-    glint = phong.specular * facing**phong.power if facing > ZERO else ZERO
-    return (colour[0] * matt + glint, colour[1] * matt + glint, colour[2] * matt + glint)
+    mirrored = f32(2.0) * facing * facing - ONE
+    glint = phong.specular * mirrored**phong.power if mirrored > ZERO else ZERO
+    return (
+        min(colour[0] * matt + glint, ONE),
+        min(colour[1] * matt + glint, ONE),
+        min(colour[2] * matt + glint, ONE),
+    )
 
 
 @device
