@@ -101,6 +101,11 @@ if TYPE_CHECKING:
     from .curves import ColourCurve, Curve
     from .cutting import Box, Cropping, Plane, Sphere
     from .denoised_picture import DenoisedPicture
+    from .emission_absorption import (
+        EmissionAbsorption,
+        EmissionAbsorptionPicture,
+        render_emission_absorption,
+    )
     from .environment_files import read_environment
     from .focus import autofocus
     from .front import render, scene_of
@@ -125,6 +130,7 @@ if TYPE_CHECKING:
         with_power,
         with_vtk_intensity,
     )
+    from .material import Phong
     from .occlusion import Occlusion, OcclusionPicture, render_occlusion
     from .phantom import head_phantom
     from .picture import Display, Picture

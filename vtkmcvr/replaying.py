@@ -26,7 +26,6 @@ from .scene import Scene
 from .schedule import Progress, StopRules
 from .volume import Volume
 
-
 NOISELESS: dict[str, Callable[..., NoiselessPicture]] = {
     "occlusion": occlusion.render_again,
     "emission-absorption": emission_absorption.render_again,

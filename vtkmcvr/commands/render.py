@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 from .. import __version__
 from .inputs import read_as_asked
-from .occlusion_options import occlusion_options
 from .options import add_render_options
 from .scenes import demo_volume, flipped, scene_options
+from .technique_options import technique_options
 from .terminal import Bar, Interrupt, say_to, write_json
 from .transport_options import displayed
 
 if TYPE_CHECKING:
-    from ..occlusion import OcclusionPicture
+    from ..noiseless_picture import NoiselessPicture
     from ..picture import Picture
     from ..scene import Scene
 
@@ -99,7 +99,7 @@ def make_picture(data: Any, args: argparse.Namespace, *, explain: bool = False) 
 
 def picture_of(
     data: Any, args: argparse.Namespace, like: Scene | None = None
-) -> Picture | OcclusionPicture:
+) -> Picture | NoiselessPicture:
     """Render as the arguments say, with transfer function, camera and lights of `like`."""
     from ..front import BACKDROP, render
 
@@ -114,7 +114,7 @@ def picture_of(
             data, samples=args.samples, seconds=args.seconds, nrms=args.nrms,
             adaptive=args.adaptive, seed=args.seed, threads=args.threads, backend=args.backend,
             exposure=args.exposure, background=background, progress=bar, abort=stop.is_set,
-            **occlusion_options(args), **options,
+            **technique_options(args), **options,
         )  # fmt: skip
     picture = displayed(picture, args)
     return picture.denoised(args.denoise) if args.denoise else picture
@@ -145,7 +145,7 @@ def _report(picture: Any, args: argparse.Namespace) -> None:
     say_to(args)(f"report: {path.resolve()}")
 
 
-def picture_facts(picture: Picture | OcclusionPicture) -> dict[str, Any]:
+def picture_facts(picture: Picture | NoiselessPicture) -> dict[str, Any]:
     """What was measured, ready for JSON."""
     return {
         **picture.facts(),
@@ -156,10 +156,10 @@ def picture_facts(picture: Picture | OcclusionPicture) -> dict[str, Any]:
     }
 
 
-def _cost(picture: Picture | OcclusionPicture) -> str:
-    from ..occlusion import OcclusionPicture
+def _cost(picture: Picture | NoiselessPicture) -> str:
+    from ..noiseless_picture import NoiselessPicture
 
-    if isinstance(picture, OcclusionPicture):
+    if isinstance(picture, NoiselessPicture):
         return str(picture)
     width, height = picture.size
     adaptive = "adaptive " if picture.density is not None else ""

@@ -1,7 +1,6 @@
-"""Emission and absorption along camera rays, without noise (Max, "Optical models for direct volume
-rendering", TVCG 1(2), 1995).
+"""Emission and absorption along camera rays, without noise.
 
-A ray is cut into equal steps between the two ends of the medium; extinction and colour of a step
+Max, "Optical models for direct volume rendering", TVCG 1(2), 1995. A ray is cut into equal steps between the two ends of the medium; extinction and colour of a step
 are pre-integrated, its opacity is 1 - exp(-optical depth). Cuts, labels and several volumes follow
 the rules of light transport.
 """
@@ -18,8 +17,8 @@ from .event import place_in, ray_interval
 from .grid import FAR, INFINITE, gradient, trilinear
 from .jit import device, kernel
 from .tracking import first_cell
-from .transfer import colour, emitted, of_label
-from .vec import BLACK, add, at, dot, largest, narrow, scale
+from .transfer import colour, of_label
+from .vec import BLACK, add, at, dot, largest, scale
 
 f32, f64, i32, i64, index = np.float32, np.float64, np.int32, np.int64, np.uintp
 ZERO, HALF, ONE = f32(0.0), f32(0.5), f32(1.0)
@@ -153,9 +152,16 @@ def shaded(phong, colour, normal, toward_eye):
 
 
 @device
-def middle_entry(x, y):
-    """Middle of two table positions; the other one where one is no data."""
-    return max(x, y) if min(x, y) < ZERO else HALF * (x + y)
+def entry_colour(table, first, last, x):
+    """Colour at table position x of a row."""
+    i = min(i32(x), i32(last) - i32(1))
+    f = x - f32(i)
+    a, b = index(first + i), index(first + i + i32(1))
+    return (
+        table[a, 0] + (table[b, 0] - table[a, 0]) * f,
+        table[a, 1] + (table[b, 1] - table[a, 1]) * f,
+        table[a, 2] + (table[b, 2] - table[a, 2]) * f,
+    )
 
 
 @device
@@ -174,7 +180,7 @@ def light_integral(integrals, first, last, x, c):
 def mean_colour(integrals, first, x, y):
     """Colour between table positions x and y of a row, weighted by extinction."""
     last = integrals.last
-    if min(x, y) >= ZERO and abs(y - x) >= NARROW:
+    if abs(y - x) >= NARROW:
         low, high = min(x, y), max(x, y)
         sigma_t, depth = integrals.sigma_t, integrals.depth
         total = integral_at(sigma_t, depth, first, last, high)
@@ -189,16 +195,7 @@ def mean_colour(integrals, first, x, y):
                 f32((light_integral(integrals, first, last, high, 2)
                 - light_integral(integrals, first, last, low, 2)) * scale_by),
             )  # fmt: skip
-    z = middle_entry(x, y)
-    i = min(i32(z), i32(last) - i32(1))
-    f = z - f32(i)
-    a, b = index(first + i), index(first + i + i32(1))
-    t = integrals.colour
-    return (
-        t[a, 0] + (t[b, 0] - t[a, 0]) * f,
-        t[a, 1] + (t[b, 1] - t[a, 1]) * f,
-        t[a, 2] + (t[b, 2] - t[a, 2]) * f,
-    )
+    return entry_colour(integrals.colour, first, last, HALF * (x + y))
 
 
 @device
@@ -214,12 +211,16 @@ def colour_of(colour_grid, table_2d, volume, x, y, p):
 
 @device
 def own_light(emission, volume, x, y, p, albedo):
-    """Radiance of the medium's own, of the middle between two table positions."""
+    """Radiance of the medium's own, of the middle between two table positions: (1 - albedo) L_e."""
     if emission is None:
         return BLACK
-    i = volume.integrals
-    scalar = i.lowest + middle_entry(x, y) / i.per_scalar
-    return emitted(emission, of_label(volume.medium.labels, volume.transfer, p), scalar, albedo)
+    first = first_entry(volume.medium.labels, volume.transfer, p)
+    own = entry_colour(emission, first, volume.integrals.last, HALF * (x + y))
+    return (
+        (ONE - albedo[0]) * own[0],
+        (ONE - albedo[1]) * own[1],
+        (ONE - albedo[2]) * own[2],
+    )
 
 
 @device
@@ -236,6 +237,12 @@ def stretch_in(volume, ray, t0, t1, toward_eye):
     y = entry_at(medium, integrals, at(o, d, b))
     ray[KNOWN], ray[ENTRY] = b, y
     p = at(o, d, HALF * (a + b))
+    # Where an end is no data, the middle decides
+    if min(x, y) < ZERO:
+        middle = entry_at(medium, integrals, p)
+        if middle < ZERO:
+            return NOTHING
+        x, y = middle if x < ZERO else x, middle if y < ZERO else y
     _, sigma_t = stretch_extinction(
         transfer.gradient_opacity, transfer.table_2d, medium.labels, medium, transfer, integrals,
         x, y, p,
