@@ -1,5 +1,7 @@
 """The same volume property, mapper and camera drawn by VTK and by emission and absorption."""
 
+import math
+
 import numpy as np
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
@@ -28,13 +30,14 @@ FINE = 0.1
 
 
 def image(values, spacing=(1, 1, 1), direction=None):
-    """Image of an array [k, j, i] of float32."""
+    """Image of an array [k, j, i], or of several components [k, j, i, c]."""
     made = vtkImageData()
-    made.SetDimensions(*values.shape[::-1])
+    made.SetDimensions(*values.shape[2::-1])
     made.SetSpacing(*spacing)
     if direction is not None:
         made.SetDirectionMatrix(*np.ravel(direction))
-    array = numpy_to_vtk(np.ascontiguousarray(values).ravel(), deep=True)
+    rows = np.ascontiguousarray(values).reshape(math.prod(values.shape[:3]), -1)
+    array = numpy_to_vtk(rows, deep=True)
     array.SetName("values")
     made.GetPointData().SetScalars(array)
     return made
