@@ -9,14 +9,11 @@ from typing import Any
 import numpy as np
 
 from . import __version__, backends, checks
-from .emission_absorption import (
-    AS_VTK,
-    EmissionAbsorption,
-    EmissionAbsorptionPicture,
-    render_emission_absorption,
-)
+from .emission_absorption import EmissionAbsorption, EmissionAbsorptionPicture
 from .lights import Light
-from .occlusion import Occlusion, OcclusionPicture, render_occlusion
+from .noiseless import TECHNIQUES as NOISELESS
+from .noiseless import check_settings, render_noiseless
+from .occlusion import Occlusion, OcclusionPicture
 from .picture import Display, Picture
 from .presets import Dressed, Look, dress
 from .presets.fit import look_of
@@ -31,7 +28,7 @@ from .studio import View, view_camera
 from .volume_info import modality, segments, units
 from .vtk_single import single_volume
 
-TECHNIQUES = ("monte-carlo", "occlusion", "emission-absorption")
+TECHNIQUES = ("monte-carlo", *NOISELESS)
 # sRGB colour behind presets
 BACKDROP = (0.07, 0.08, 0.10)
 
@@ -213,36 +210,23 @@ def render(
         # Occlusion takes no mask
         whole = {"whole": True} if technique == "occlusion" else {}
         dressed = scene_of(data, **whole | scene)
-    display = Display(dressed.exposure if exposure is None else exposure, background)
-    _check_settings(technique, occlusion=occlusion, emission_absorption=emission_absorption)
-    if technique != "monte-carlo":
+    check_settings(technique, occlusion=occlusion, emission_absorption=emission_absorption)
+    if technique in NOISELESS:
         _check_unused(
             technique, samples=samples, seconds=seconds, nrms=nrms, adaptive=adaptive or None
         )
         backends.check_unused(backend, technique)
-        how: dict[str, Any] = {"threads": threads, "progress": progress, "abort": abort}
-        result: OcclusionPicture | EmissionAbsorptionPicture
-        if technique == "occlusion":
-            result = render_occlusion(dressed.scene, occlusion, display=display, **how)
-        else:
-            as_is = replace(AS_VTK, exposure=exposure or 0.0, background=background)
-            result = render_emission_absorption(
-                dressed.scene, emission_absorption, display=as_is, **how
-            )
+        result = render_noiseless(
+            technique, dressed.scene, occlusion or emission_absorption, exposure,
+            dressed.exposure, background, threads=threads, progress=progress, abort=abort,
+        )  # fmt: skip
         return replace(result, recipe=_recipe(result, dressed, None, None, None))
+    display = Display(dressed.exposure if exposure is None else exposure, background)
     picture = render_scene(
         dressed.scene, samples=samples, seconds=seconds, nrms=nrms, adaptive=adaptive, seed=seed,
         threads=threads, backend=backend, display=display, progress=progress, abort=abort,
     )  # fmt: skip
     return replace(picture, recipe=_recipe(picture, dressed, samples, seconds, nrms))
-
-
-def _check_settings(technique: str, **settings: object) -> None:
-    """Refuse the settings of another technique."""
-    for name, value in settings.items():
-        owner = name.replace("_", "-")
-        if value is not None and owner != technique:
-            raise ValueError(f'{name}=... needs technique="{owner}"')
 
 
 ACCURACY = {

@@ -12,7 +12,6 @@ import pytest
 from compiled import compiled
 from scenes import WHITE, blob, frontal, medium, noise, scene, slab, volume
 from techniques import (
-    MONTE_CARLO,
     OCCLUSION,
     SKY,
     by_monte_carlo,

@@ -34,7 +34,6 @@ from techniques import (
     SKY,
     by_light,
     by_monte_carlo,
-    every_technique,
     picture_by,
     relative_difference,
 )

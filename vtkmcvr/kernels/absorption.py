@@ -1,8 +1,8 @@
 """Emission and absorption along camera rays, without noise.
 
-Max, "Optical models for direct volume rendering", TVCG 1(2), 1995. A ray is cut into equal steps between the two ends of the medium; extinction and colour of a step
-are pre-integrated, its opacity is 1 - exp(-optical depth). Cuts, labels and several volumes follow
-the rules of light transport.
+Max, "Optical models for direct volume rendering", TVCG 1(2), 1995. A ray is cut into equal steps
+between the two ends of the medium; extinction and colour of a step are pre-integrated, its opacity
+is 1 - exp(-optical depth). Cuts, labels and several volumes follow the rules of light transport.
 """
 
 import math
