@@ -76,29 +76,38 @@ STEEP = TransferFunction(
 )  # fmt: skip
 
 
-def quadrature(channel):
+def quadrature(density, channel):
     """Integral of T sigma_t c over the ramp, with exact optical depths of the piecewise line."""
     x = np.linspace(0, 1, 20001)
-    sigma_t = STEEP.extinction(x)
+    sigma_t = density * STEEP.extinction(x)
     depth = np.concatenate([[0], np.cumsum((sigma_t[1:] + sigma_t[:-1]) / 2 * np.diff(x))]) * 2
 
     def source(s):
         shown = 1.0 if channel is None else float(STEEP.colour(s)[channel])
-        return 2 * math.exp(-np.interp(s, x, depth)) * float(STEEP.extinction(s)) * shown
+        seen = math.exp(-np.interp(s, x, depth))
+        return 2 * seen * density * float(STEEP.extinction(s)) * shown
 
     return quad(source, 0, 1, points=[0.25, 0.4, 0.5, 0.6], epsabs=1e-9, limit=200)[0]
 
 
-def test_linear_ramp_is_the_integral_to_second_order():
-    exact = np.array([quadrature(c) for c in (0, 1, 2)])
-    seen = scene(ramp(33), STEEP, frontal(0.5), TINY)
-    errors = []
-    for step in (8.0, 4.0, 2.0, 0.25):
+@pytest.mark.parametrize("density", [1.0, 8.0])
+def test_linear_ramp_is_the_integral(density):
+    exact = np.array([quadrature(density, c) for c in (0, 1, 2)])
+    seen = scene(ramp(33), replace(STEEP, density_scale=density), frontal(0.5), TINY)
+    for step, limit in ((4.0, 2e-3), (0.5, 4e-4)):
         light, alpha, _ = middle(draw(seen, step=step))
         # Opacity is exact at any step where the scalar is linear: it is integrated beforehand
-        assert alpha == pytest.approx(quadrature(None), abs=2e-5)
-        errors.append(np.abs(light - exact).max())
-    assert errors[-1] < 1e-4
+        assert alpha == pytest.approx(quadrature(density, None), abs=2e-5)
+        np.testing.assert_allclose(light, exact, atol=limit)
+
+
+def test_error_goes_with_the_square_of_the_step():
+    # Faint enough for no step to be looked at in parts
+    exact = np.array([quadrature(0.15, c) for c in (0, 1, 2)])
+    seen = scene(ramp(33), replace(STEEP, density_scale=0.15), frontal(0.5), TINY)
+    pictures = [draw(seen, step=step) for step in (8.0, 4.0, 2.0)]
+    assert all(p.work.looked_up == p.work.naive for p in pictures)
+    errors = [np.abs(middle(p)[0] - exact).max() for p in pictures]
     # A step of twice the length: four times the error; half of that would be first order
     assert errors[0] > 2.8 * errors[1] > 2.8**2 * errors[2] > 0
 

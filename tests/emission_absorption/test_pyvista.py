@@ -24,7 +24,7 @@ def plotter(mesh):
     actor.mapper.SetAutoAdjustSampleDistances(False)
     actor.mapper.SetSampleDistance(0.05)
     if mesh:
-        made.add_mesh(pv.Sphere(6.0, grid().center), color="tomato")
+        made.add_mesh(pv.Sphere(radius=6.0, center=grid().center), color="tomato")
     return made
 
 

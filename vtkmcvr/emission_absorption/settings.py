@@ -23,7 +23,8 @@ class EmissionAbsorption:
     ----------
     step : float
         Longest way of a step along any index axis, in voxels, 0.001 to 16. Extinction and colour
-        are pre-integrated over it (Engel et al. 2001); the error goes with its square.
+        are pre-integrated over it (Engel et al. 2001); the error goes with its square. A step of
+        optical depth 0.3 or more is looked at in six parts.
     sample_distance : float, optional
         Length of a step in world units instead, as vtkVolumeMapper has it.
     rays : int

@@ -29,6 +29,9 @@ NEAR, GONE, KNOWN, ENTRY = 6, 7, 8, 9
 RAY_COLUMNS = 10
 # Optical depth below which a series is more precise
 THIN = f32(0.05)
+# Optical depth of a step from which on it is looked at in several parts: colours hide each other,
+# and a surface has its normal where it is
+DENSE, PARTS = f32(0.3), i64(6)
 # Share of all that a table integrates to below which a difference of two integrals is noise
 LEAST_SHARE = 1e-9
 
@@ -313,8 +316,10 @@ def add_ray(volumes, rays, march, film, row, column, origin, d, end):
     light, albedo, normal = BLACK, BLACK, BLACK
     quiet = True
     k, looked = i64(0), i64(0)
+    part, parts = i64(0), i64(1)
     while k < count and T > march.opaque:
-        t = f32(k) * step
+        width = step / f32(parts)
+        t = f32(k) * step + f32(part) * width
         # Leap to the step in which the next volume may begin
         if quiet and march.skip:
             clear = min(all_empty_until(volumes, rays, t + HALF * step), length)
@@ -322,18 +327,23 @@ def add_ray(volumes, rays, march, film, row, column, origin, d, end):
             if ahead > k:
                 k = ahead
                 continue
-        depth, a, b, c = stretch(volumes, rays, t, t + step, toward_eye)
-        quiet = not depth > ZERO
-        if not quiet:
+        depth, a, b, c = stretch(volumes, rays, t, t + width, toward_eye)
+        looked += 1
+        if depth > DENSE and parts < PARTS:
+            parts = PARTS
+            continue
+        quiet = not depth > ZERO and parts < PARTS
+        if depth > ZERO:
             seen = -T * math.expm1(-depth)
             share = seen / depth
             light, albedo = add(light, scale(a, share)), add(albedo, scale(b, share))
             normal = add(normal, scale(c, share))
             opacity += seen
-            distance += seen * (t + mean_place(depth) * step)
+            distance += seen * (t + mean_place(depth) * width)
             T *= math.exp(-depth)
-        k += 1
-        looked += 1
+        part += 1
+        if part == parts:
+            k, part, parts = k + 1, i64(0), i64(1)
     weight = ONE / f32(march.rays * march.rays)
     accumulate_vector(film.radiance, row, column, weight, light)
     accumulate_vector(film.albedo, row, column, weight, albedo)
