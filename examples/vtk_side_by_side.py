@@ -25,11 +25,12 @@ from vtkmodules.vtkRenderingCore import (
 from vtkmodules.vtkRenderingVolumeOpenGL2 import vtkOpenGLGPUVolumeRayCastMapper
 
 import vtkmcvr
+from vtkmcvr.display import srgb_decode
 from vtkmcvr.filters import EmissionAbsorptionFilter, MonteCarloFilter, ToneMapFilter
 from vtkmcvr.vtk_scene import array_of_image
 
 SIZE = (400, 400)
-SAMPLES = 96
+SAMPLES = 128
 
 
 def synthetic_head(size: int = 160) -> vtkImageData:
@@ -43,13 +44,16 @@ def synthetic_head(size: int = 160) -> vtkImageData:
     return image
 
 
-def look(low: float, high: float, unit: float) -> vtkVolumeProperty:
-    """Bone below skin: colour and opacity between two scalars, shaded."""
+def look(low: float, high: float, unit: float, linear: bool = False) -> vtkVolumeProperty:
+    """Bone below skin: colour and opacity between two scalars, shaded.
+
+    Colours are those of a display, or `linear`, the reflectances that look like them.
+    """
     opacity, colour = vtkPiecewiseFunction(), vtkColorTransferFunction()
     for share, value in ((0.0, 0.0), (0.08, 0.03), (0.3, 0.04), (0.5, 0.6), (1.0, 0.95)):
         opacity.AddPoint(low + share * (high - low), value)
     for share, rgb in ((0.0, (0.85, 0.45, 0.3)), (0.3, (0.85, 0.5, 0.35)), (0.5, (0.95, 0.9, 0.8))):
-        colour.AddRGBPoint(low + share * (high - low), *rgb)
+        colour.AddRGBPoint(low + share * (high - low), *(srgb_decode(rgb) if linear else rgb))
     made = vtkVolumeProperty()
     made.SetInterpolationTypeToLinear()
     made.SetScalarOpacity(opacity)
@@ -68,7 +72,7 @@ def camera_before(image: vtkImageData) -> vtkCamera:
     made = vtkCamera()
     x, y, z = image.GetCenter()
     made.SetFocalPoint(x, y, z)
-    made.SetPosition(x, y - 1.7 * image.GetLength(), z)
+    made.SetPosition(x, y - 1.4 * image.GetLength(), z)
     made.SetViewUp(0, 0, 1)
     made.SetViewAngle(25)
     made.Azimuth(-30)
@@ -126,14 +130,19 @@ def main(
     high: str = "1100",
 ) -> None:
     image = vtkmcvr.read(volume) if volume else synthetic_head()
-    prop = look(float(low), float(high), unit=3 * min(image.GetSpacing()))
+    prop, reflectances = (
+        look(float(low), float(high), 3 * min(image.GetSpacing()), linear)
+        for linear in (False, True)
+    )
     camera = camera_before(image)
-    view = {"camera": camera, "volume_property": prop}
     theirs = by_vtk(image, prop, camera)
-    ours = by_filter(EmissionAbsorptionFilter(**view), image, curve="none", gamma=1.0)
-    lamp = key_light(camera, image)
-    traced = MonteCarloFilter(samples=SAMPLES, lights=[lamp], ambient=(0.25, 0.27, 0.3), **view)
-    light = by_filter(traced, image, exposure=0.3)
+    plain = EmissionAbsorptionFilter(camera=camera, volume_property=prop)
+    ours = by_filter(plain, image, curve="none", gamma=1.0)
+    traced = MonteCarloFilter(
+        samples=SAMPLES, camera=camera, volume_property=reflectances,
+        lights=[key_light(camera, image)], ambient=(0.25, 0.27, 0.3),
+    )  # fmt: skip
+    light = by_filter(traced, image, exposure=0.8)
     apart = np.abs(theirs.astype(float) - ours)
     print(f"VTK and emission-absorption: mean difference {apart.mean():.2f} of 255")
     sheet = np.hstack([theirs, ours, light])[::-1]
