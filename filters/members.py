@@ -69,13 +69,14 @@ def _of_volume(prop: vtkVolume, components: int) -> Iterator[vtkObject]:
 
 
 def _surroundings(renderer: vtkRenderer, components: int) -> Iterator[vtkObject]:
-    """Camera, lights and environment of a renderer."""
+    """Camera, lights and textures of a renderer."""
     if renderer.IsActiveCameraCreated():
         yield renderer.GetActiveCamera()
     yield renderer.GetLights()
     yield from _items(renderer.GetLights())
-    if renderer.GetEnvironmentTexture() is not None:
-        yield renderer.GetEnvironmentTexture()
+    for texture in (renderer.GetEnvironmentTexture(), renderer.GetBackgroundTexture()):
+        if texture is not None:
+            yield texture
 
 
 def _cuts(mapper: vtkVolumeMapper, components: int) -> Iterator[vtkObject]:

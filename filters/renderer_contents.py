@@ -6,7 +6,7 @@ import logging
 from typing import Any, TypeVar
 
 from vtkmodules.vtkCommonDataModel import vtkPolyData
-from vtkmodules.vtkRenderingCore import vtkProp, vtkRenderer, vtkVolume
+from vtkmodules.vtkRenderingCore import vtkActor, vtkProp, vtkRenderer, vtkVolume
 from vtkmodules.vtkRenderingVolume import vtkVolumeMapper
 
 from vtkmcvr.vtk_props import is_plain_surface, opaque_props, props_of, volumes_of
@@ -71,12 +71,21 @@ def _surfaces(renderer: vtkRenderer, wanted: bool) -> tuple[list[Any], list[vtkP
     """Visible actors that can be traced, and the other opaque props."""
     surfaces: list[Any] = []
     others: list[vtkProp] = []
+    _update_actors(renderer)
     for prop in opaque_props(renderer, None):
         if prop.IsA("vtkSkybox"):
             continue
         plain = wanted and is_plain_surface(prop) and _polygons(prop)
         (surfaces if plain else others).append(prop)
     return surfaces, others
+
+
+def _update_actors(renderer: vtkRenderer) -> None:
+    """Let actors have their data, without which there is nothing to see of them."""
+    for prop in props_of(renderer):
+        mapper = prop.GetMapper() if isinstance(prop, vtkActor) else None
+        if mapper is not None and mapper.GetNumberOfInputConnections(0):
+            mapper.GetInputAlgorithm().Update()
 
 
 def _polygons(prop: Any) -> bool:

@@ -8,6 +8,7 @@ from typing import Any
 
 from .. import checks
 from ..camera import Lens
+from ..display import EXPOSURE, SHADED_EXPOSURE
 from ..lights import Light
 from ..occlusion import Occlusion
 from ..scene import Scene
@@ -16,7 +17,6 @@ TECHNIQUES = ("monte-carlo", "occlusion")
 LIGHTING = ("scene", "studio")
 MESHES = ("drawn", "traced")
 SAMPLES = 256
-EXPOSURE, SHADED_EXPOSURE = 2.5, 1.5
 
 
 @dataclass(frozen=True, eq=False)
