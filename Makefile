@@ -8,7 +8,7 @@ TREE := build/lint
 WORKERS ?= 2
 INSTALL := $(RUN) pip install --quiet --disable-pip-version-check
 
-.PHONY: demo test slow sanitize numerics lint bench accuracy speed gpu clean
+.PHONY: demo test slow sanitize numerics lint bench accuracy speed gpu paraview clean
 
 $(VENV)/installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -63,6 +63,10 @@ bench: $(VENV)/installed-test
 gpu: $(VENV)/installed-test
 	$(INSTALL) --editable ".[cuda]"
 	$(VENV)/bin/python tests/gpu -o gpu.json
+
+# A picture inside ParaView, which apt installs where it can; says so, loudly, where it is not there
+paraview: $(VENV)/installed-test
+	tests/paraview/run.sh $(CURDIR)/$(VENV)/bin/python
 
 # docs/accuracy.md anew, in some 12 minutes on 2 quiet cores, once all kernels are compiled
 accuracy: $(VENV)/installed-test

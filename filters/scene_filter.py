@@ -22,6 +22,7 @@ from vtkmcvr.layers import Layer
 from vtkmcvr.lights import ConstantEnvironment, EnvironmentMap, Light
 from vtkmcvr.receivers import Receiver
 from vtkmcvr.scene import Camera, Lens, PixelFilter, Scene, Volume, known_aovs
+from vtkmcvr.studio import Studio, studio_lights
 from vtkmcvr.vtk_environment import Environment, environment_of_image
 from vtkmcvr.vtk_layers import COLOURS, LayerReader
 from vtkmcvr.vtk_lights import members
@@ -90,6 +91,11 @@ class SceneFilter(ImageFilter):
         None, optional(_lights),
         "vtkLightCollection or sequence of vtkLight or vtkmcvr.lights.Light. None: VTK's "
         "headlight, unless `ambient` or `environment` gives light.",
+    )  # fmt: skip
+    studio = Parameter(
+        None, optional(one_of("studio", Studio)),
+        "vtkmcvr.studio.Studio: key light, rim light and fill around the camera, instead of "
+        "`lights`, or None.",
     )  # fmt: skip
     ambient = Parameter(
         (0.0, 0.0, 0.0), lambda v: checks.colour("ambient", v),
@@ -221,7 +227,7 @@ class SceneFilter(ImageFilter):
             volume,
             first.transfer,
             camera,
-            self._scene_lights(camera, inputs.environment),
+            self._scene_lights(volume, camera, inputs.environment),
             first.surface,
             phase_of(self.props[0].GetProperty() if self.props else self.volume_property),
             scattering=self.scattering,
@@ -287,7 +293,11 @@ class SceneFilter(ImageFilter):
         looks = {index: look_of_actor(actor) for index, actor in enumerate(self.actors)}
         return self._meshes.receivers((*meshes, *self.receivers), looks)
 
-    def _scene_lights(self, camera: Camera, panorama: vtkImageData | None) -> tuple[Light, ...]:
+    def _scene_lights(
+        self, volume: Volume, camera: Camera, panorama: vtkImageData | None
+    ) -> tuple[Light, ...]:
+        if self.studio is not None:
+            return studio_lights(self.studio, volume, camera)
         around: list[Light] = [ConstantEnvironment(self.ambient)] if any(self.ambient) else []
         sky = self._sky_of(panorama)
         if sky is not None:
