@@ -8,7 +8,7 @@ TREE := build/lint
 WORKERS ?= 2
 INSTALL := $(RUN) pip install --quiet --disable-pip-version-check
 
-.PHONY: demo test slow sanitize numerics lint bench accuracy speed gpu paraview clean
+.PHONY: demo test slow sanitize numerics lint bench accuracy speed gpu paraview vtk92 clean
 
 $(VENV)/installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -67,6 +67,10 @@ gpu: $(VENV)/installed-test
 # A picture inside ParaView, which apt installs where it can; says so, loudly, where it is not there
 paraview: $(VENV)/installed-test
 	tests/paraview/run.sh $(CURDIR)/$(VENV)/bin/python
+
+# Tests of the filters with VTK 9.2 and without PyVista, in an environment of their own
+vtk92: $(VENV)/installed-test
+	tests/filters/old_vtk.sh $(CURDIR)/$(VENV)/bin/python
 
 # docs/accuracy.md anew, in some 12 minutes on 2 quiet cores, once all kernels are compiled
 accuracy: $(VENV)/installed-test

@@ -51,6 +51,10 @@ class Environment:
 
 def _rotation(renderer: vtkRenderer) -> NDArray[np.float64]:
     """World from the directions of the environment texture."""
+    if not hasattr(renderer, "GetEnvironmentRotationMatrix"):
+        # Before VTK 9.3
+        right, up = renderer.GetEnvironmentRight(), renderer.GetEnvironmentUp()
+        return np.column_stack([right, up, np.cross(right, up)])
     m = renderer.GetEnvironmentRotationMatrix()
     return np.array([[m.GetElement(i, j) for j in range(3)] for i in range(3)])
 

@@ -31,6 +31,7 @@ from vtkmcvr.live.reading import SceneReader
 from vtkmcvr.live.settings import LiveSettings
 from vtkmcvr.scene import PixelFilter
 from vtkmcvr.vtk_background import background_of
+from vtkmcvr.vtk_environment import FROM_PANORAMA, environment_of
 from vtkmcvr.vtk_props import volumes_of
 from vtkmcvr.vtk_scene import array_of_image
 
@@ -236,6 +237,16 @@ def test_environment_of_a_cube_map_and_a_skybox(pipeline):
     skybox.SetTexture(panorama())
     renderer.AddActor(skybox)
     assert scene_of(MonteCarloFilter.from_renderer(renderer)).environment_visible
+
+
+def test_rotation_of_the_environment_is_as_old_versions_have_it():
+    renderer = vtkRenderer()
+    renderer.SetEnvironmentTexture(panorama())
+    renderer.UseImageBasedLightingOn()
+    renderer.SetEnvironmentRight(0, 1, 0)
+    renderer.SetEnvironmentUp(0, 0, 1)
+    turn = environment_of(renderer).rotation @ np.linalg.inv(FROM_PANORAMA)
+    np.testing.assert_allclose(turn, [[0, 0, 1], [1, 0, 0], [0, 1, 0]], atol=1e-12)
 
 
 # Backgrounds
