@@ -35,11 +35,15 @@ def labels_of(head):
     k, j, i = np.indices(head.values.shape)
     x, y, z = (s * a + o for a, s, o in zip((i, j, k), head.spacing, head.origin, strict=True))
     labels = np.zeros(head.values.shape, np.uint8)
-    inside = (x / 66) ** 2 + ((y - 2) / 84) ** 2 + ((z - 48) / 60) ** 2 < 0.9
-    labels[inside & (head.values > -20) & (head.values < 120)] = BRAIN
+    # The brain has bone in front, behind, on both sides and above
+    bone = head.values > 300
+    within = (head.values > -20) & (head.values < 120) & (z > -5)
+    for axis in range(3):
+        within &= np.flip(np.maximum.accumulate(np.flip(bone, axis), axis), axis)
+        within &= np.maximum.accumulate(bone, axis) if axis else True
+    labels[within] = BRAIN
     labels[(head.values > 1900) & (y < -20)] = TEETH
-    eyes = (np.abs(x) - 32) ** 2 + (y + 72) ** 2 + (z - 10) ** 2 < 13**2
-    labels[eyes & (head.values > -30)] = EYES
+    labels[(np.abs(x) - 31) ** 2 + (y + 57) ** 2 + (z - 6) ** 2 < 12**2] = EYES
     return labels
 
 

@@ -71,7 +71,7 @@ def main(path="vtk_medical.png", volume=None):
     cubes.Update()
 
     camera = view_camera(
-        volume_of(cubes.GetOutput()), azimuth=50, elevation=15, zoom=1.4, aspect=SIZE[0] / SIZE[1]
+        volume_of(cubes.GetOutput()), azimuth=50, elevation=15, zoom=1.2, aspect=SIZE[0] / SIZE[1]
     )
     render = MonteCarloFilter(
         film_size=SIZE, samples=64, camera=camera, studio=Studio(), volume_property=look()

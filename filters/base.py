@@ -164,7 +164,7 @@ def _chain(algorithm: vtkAlgorithm) -> Iterator[ImageFilter]:
     """Yield the filters of this package upstream of `algorithm`, then itself, each once."""
     seen: set[str] = set()
 
-    def walk(one: vtkAlgorithm) -> Iterator[ImageFilter]:
+    def walk(one: Any) -> Iterator[ImageFilter]:
         if one.__this__ in seen:
             return
         seen.add(one.__this__)

@@ -27,7 +27,7 @@ FROM_PANORAMA = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
 
 def environment_key(renderer: vtkRenderer) -> tuple[Any, ...] | None:
     """What decides the environment map of a renderer, as values to compare; None: it has none."""
-    texture = renderer.GetEnvironmentTexture()
+    texture: Any = renderer.GetEnvironmentTexture()
     if texture is None or not renderer.GetUseImageBasedLighting():
         return None
     return texture.__this__, texture.GetMTime(), _rotation(renderer).tobytes()
@@ -53,7 +53,8 @@ def _rotation(renderer: vtkRenderer) -> NDArray[np.float64]:
     """World from the directions of the environment texture."""
     if not hasattr(renderer, "GetEnvironmentRotationMatrix"):
         # Before VTK 9.3
-        right, up = renderer.GetEnvironmentRight(), renderer.GetEnvironmentUp()
+        right: NDArray[np.float64] = np.array(renderer.GetEnvironmentRight())
+        up: NDArray[np.float64] = np.array(renderer.GetEnvironmentUp())
         return np.column_stack([right, up, np.cross(right, up)])
     m = renderer.GetEnvironmentRotationMatrix()
     return np.array([[m.GetElement(i, j) for j in range(3)] for i in range(3)])

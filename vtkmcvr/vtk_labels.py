@@ -25,7 +25,7 @@ class MaskCache:
 
     def __init__(self) -> None:
         self._key: tuple[Any, ...] | None = None
-        self._values = np.empty((0, 0, 0))
+        self._values: NDArray = np.empty(0)
         self._labels: list[int] = []
 
     def mask(
