@@ -6,7 +6,7 @@ import weakref
 from typing import Any
 
 from vtkmodules.util.vtkAlgorithm import VTKPythonAlgorithmBase
-from vtkmodules.vtkCommonCore import vtkOutputWindow
+from vtkmodules.vtkCommonCore import VTK_UNSIGNED_CHAR, vtkOutputWindow
 from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkImageData, vtkTable
 from vtkmodules.vtkRenderingCore import vtkCamera, vtkVolumeProperty
 
@@ -15,8 +15,7 @@ from vtkmcvr.studio import Studio, view_camera
 from vtkmcvr.vtk_look import property_of_look
 from vtkmcvr.vtk_scene import volume_of
 
-from ..base import WHOLE_EXTENT
-from ..tone_map import ToneMapFilter
+from ..tone_map import RGBA_COMPONENTS, ToneMapFilter
 from . import active_view
 from .panels import CAMERAS, LIGHTS, VIEW
 
@@ -122,8 +121,8 @@ class ViewPicture(VTKPythonAlgorithmBase):
     def RequestInformation(self, request: Any, inputs: Any, outputs: Any) -> int:
         """Announce the film."""
         self.filter.RequestInformation(request, inputs, outputs)
-        width, height = self.filter.film_size
-        outputs.GetInformationObject(0).Set(WHOLE_EXTENT, (0, width - 1, 0, height - 1, 0, 0), 6)
+        info = outputs.GetInformationObject(0)
+        vtkDataObject.SetPointDataActiveScalarInfo(info, VTK_UNSIGNED_CHAR, RGBA_COMPONENTS)
         return 1
 
     def RequestUpdateExtent(self, request: Any, inputs: Any, outputs: Any) -> int:

@@ -6,6 +6,8 @@ must find `vtkmcvr` with Numba; `docs/paraview.md` has the commands.
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from paraview.util.vtkAlgorithm import smdomain, smhint, smproperty, smproxy
 
 import vtkmcvr
@@ -68,8 +70,10 @@ class MedicalVolumeReader(VolumeReader):
         extensions="dcm nrrd nhdr nii nii.gz mha mhd", file_description="Medical volumes"
     )
     def SetFileName(self, name: str) -> None:
-        """Set the file, or a file of the folder with a DICOM series."""
-        self.file_name = "" if name in (None, "None") else name
+        """Set the file; one of a DICOM series stands for its folder."""
+        path = Path("" if name in (None, "None") else name)
+        alone = path.suffix.lower() != ".dcm"
+        self.file_name = (str(path) if alone else str(path.parent)) if path.name else ""
 
     def SetSeries(self, series: str) -> None:
         """Set the DICOM series; empty: the one of most slices."""
