@@ -197,8 +197,8 @@ def test_pooled_errors_are_those_of_the_film_where_all_pixels_are_alike():
     film = synthetic(rng, np.ones((30, 30, 3)), np.full((30, 30, 3), 2.0), 9)
     from vtkmcvr.film import standard_error
 
-    # From 25 x 8 degrees of freedom: 5 % each
-    np.testing.assert_allclose(standard_error(film), 2 / 3, rtol=0.3)
+    # A fifth from 8 degrees of freedom, the rest from those of 54 pixels: 5.8 % each
+    np.testing.assert_allclose(standard_error(film), 2 / 3, rtol=0.5)
     assert np.std(standard_error(film)) < 0.05
     half = synthetic(rng, np.ones((4, 4, 3)), np.ones((4, 4, 3)), 9)
     half.count[:2] = 0

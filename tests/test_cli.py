@@ -213,3 +213,13 @@ def test_import_is_light():
         "assert not heavy, heavy"
     )
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_a_reader_that_has_seen_enough_is_no_error():
+    run = subprocess.Popen(
+        [sys.executable, "-m", "vtkmcvr", "presets"], stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    )
+    run.stdout.close()
+    assert run.stderr.read() == b""
+    assert run.wait(60) == 141
+    run.stderr.close()

@@ -132,6 +132,11 @@ def test_command_line_shows_and_hides(tmp_path, capsys, flip):
     assert main([*base, "--mask", beside]) == 0
     assert main([*base, "--labels", beside, "--hide", "liver"]) == 0
     assert "1 of 2 labels are hidden" in capsys.readouterr().out
+    again = ["replay", out, "-o", str(tmp_path / "b.png"), "--input", head]
+    assert main([*again, "--labels", beside]) == 0
+    assert "the same bits" in capsys.readouterr().out
+    assert main(again) == 2
+    capsys.readouterr()
     assert main([*base, "--labels", beside, "--show", "lung"]) == 2
     assert "no label is called 'lung'; there are 1 liver, 2 spleen" in capsys.readouterr().err
 
@@ -141,6 +146,10 @@ def test_command_line_takes_the_labels_of_a_label_map(tmp_path, capsys):
     out = str(tmp_path / "a.png")
     assert main(["render", path, "-o", out, *SMALL, "--show", "1,2"]) == 0
     assert "look labels: 2 of 3 labels" in capsys.readouterr().out
+    assert main(["replay", out, "-o", str(tmp_path / "b.png"), "--input", path]) == 0
+    assert "the same bits" in capsys.readouterr().out
+    assert main(["replay", out, "-o", out, "--labels", path]) == 2
+    assert "--labels needs --input" in capsys.readouterr().err
 
 
 def test_flip_turns_volume_and_labels_alike(tmp_path):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from collections.abc import Sequence
 
@@ -14,14 +15,21 @@ from .commands.render import add_demo, add_render
 from .commands.replay import add_replay
 from .gpu.errors import CudaError
 
-BAD_USAGE, INTERRUPTED = 2, 130
+# As shells count ends by signals
+BAD_USAGE, INTERRUPTED, UNREAD = 2, 130, 141
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit status. Errors are one sentence on stderr."""
     args = _parser().parse_args(arguments)
     try:
-        return args.command(args)
+        status = args.command(args)
+        sys.stdout.flush()
+        return status
+    except BrokenPipeError:
+        # `vtkmcvr info ct/ | head`: the reader has seen enough. What is still buffered goes nowhere
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return UNREAD
     except (ValueError, TypeError, OSError, ImportError, MemoryError, CudaError) as error:
         print(f"vtkmcvr: {_sentence(error)}", file=sys.stderr)
         return BAD_USAGE

@@ -69,8 +69,8 @@ def depth(film: packed.Film) -> Image:
 def standard_error(film: packed.Film) -> Image:
     """Standard error of the mean radiance, (H, W, 3); inf, unknown, below two samples.
 
-    From variances pooled over 5 x 5 pixels: `mean +- 1.96 standard_error` covers the truth in 95 %
-    of the pixels, from eight samples on.
+    From variances of a pixel and its neighbourhood: `mean +- 1.96 standard_error` covers the truth
+    in 95 % of the pixels, from eight samples on.
     """
     return np.sqrt(film_error.smooth_variance(film)).astype(np.float32)
 

@@ -16,6 +16,7 @@ from .presets import Dressed, Look, dress
 from .presets.fit import look_of
 from .presets.framing import view_of_slab
 from .presets.overlay import with_overlay
+from .presets.recorded import chosen_labels
 from .presets.solids import as_solids, with_segmentation
 from .rendering import render_scene
 from .scene import Camera, Scene, TransferFunction, Volume
@@ -200,9 +201,7 @@ def render(
     if isinstance(data, Scene):
         dressed = Dressed(replace(data, **scene), 0.0, "none", ())
     else:
-        # Occlusion takes no mask
-        whole = {"whole": True} if technique == "occlusion" else {}
-        dressed = scene_of(data, **whole | scene)
+        dressed = scene_of(data, **scene)
     display = Display(dressed.exposure if exposure is None else exposure, background)
     if technique == "occlusion":
         _check_unused(samples=samples, seconds=seconds, nrms=nrms, adaptive=adaptive or None)
@@ -258,6 +257,7 @@ def _recipe(
             "parallel_scale": camera.parallel_scale,
         },
         "volume": describe(volume),
+        "segmentation": chosen_labels(dressed.segmentation),
         "notes": [*dressed.notes, *picture.plan.notes],
     }
 

@@ -18,7 +18,7 @@ from .occlusion.recipe import film_hash as occlusion_hash
 from .occlusion.recipe import render_again
 from .picture import Display, Picture
 from .plan import Plan, plan
-from .presets.recorded import recorded_masks
+from .presets.recorded import recorded_arrays
 from .recipe import FORMAT, counts_of, film_hash
 from .recipe_files import read_recipe
 from .rendering import empty_film, with_note
@@ -61,8 +61,8 @@ def replay(
     source : path or dict
         Picture of either technique that `save` wrote, or its recipe.
     data : vtkImageData, Volume, numpy.ndarray, or a sequence of these
-        What the recipe has only hashes of: the volume, the pixels of an environment map. The
-        synthetic head is made anew.
+        What the recipe has only hashes of: the volume, labels on its grid, the pixels of an
+        environment map. The synthetic head is made anew.
     threads, progress, abort : optional
         See `vtkmcvr.render_scene`.
 
@@ -154,7 +154,7 @@ def _scene(recipe: dict[str, Any], part: dict[str, Any], given: Sequence[NDArray
         scene = from_plain(part.get("scene"), arrays)
     except MissingArray as missing:
         arrays |= _phantom_like(missing)
-        arrays |= recorded_masks(recipe, part.get("scene") or {}, list(arrays.values()))
+        arrays |= recorded_arrays(recipe, part.get("scene") or {}, list(arrays.values()))
         try:
             scene = from_plain(part.get("scene"), arrays)
         except MissingArray as still:

@@ -117,18 +117,21 @@ class Segmentation:
 
     def solids(self) -> Layer:
         """Return the shown labels as a volume of smooth solids."""
-        shown = np.isin(self.volume.values, self.shown)
-        values = np.where(shown, self.volume.values, 0)
-        inside = Volume(_blurred(shown), self.volume.index_to_world)
+        occupancy, values = solid_arrays(self.volume.values, self.shown)
+        inside = Volume(occupancy, self.volume.index_to_world)
         edge = float(self.volume.spacing.min())
         transfers = {value: self._transfer(value, edge) for value in self.shown}
-        labels = Labels(_extended(values), transfers)
-        return Layer(inside, CLEAR, SOLID, labels=labels)
+        return Layer(inside, CLEAR, SOLID, labels=Labels(values, transfers))
 
     def mask(self) -> NDArray[np.uint8]:
         """Mask of the volume beside: without labels that are hidden, or shown as solids."""
-        gone = {*self.hide, *(() if self.only_hides else self.shown)}
-        return (~np.isin(self.volume.values, tuple(gone))).astype(np.uint8)
+        return without(self.volume.values, self.gone)
+
+    @property
+    def gone(self) -> tuple[int, ...]:
+        """Labels that the volume beside is shown without."""
+        hidden = tuple(value for value in self.names if value in self.hide)
+        return hidden if self.only_hides else tuple(dict.fromkeys((*hidden, *self.shown)))
 
     def _transfer(self, value: int, edge: float) -> TransferFunction:
         faint = bool(self.highlight) and value not in self.highlight
@@ -138,6 +141,17 @@ class Segmentation:
             colour = tuple(PALE * c + (1 - PALE) * 0.7 for c in colour)
             opacity = tuple((x, y * FAINT / EDGE[1][1]) for x, y in EDGE)
         return TransferFunction(Curve(opacity), ColourCurve(((0.0, *colour),)), edge)
+
+
+def solid_arrays(labels: NDArray, shown: Chosen) -> tuple[NDArray[np.uint8], NDArray]:
+    """Occupancy, 0 to 255, of labels that become solids; and the labels where it is not 0."""
+    chosen = np.isin(labels, shown)
+    return _blurred(chosen), _extended(np.where(chosen, labels, 0))
+
+
+def without(labels: NDArray, gone: Chosen) -> NDArray[np.uint8]:
+    """Mask that leaves labels out."""
+    return (~np.isin(labels, gone)).astype(np.uint8)
 
 
 def paint(colour: Sequence[float]) -> tuple[float, ...]:

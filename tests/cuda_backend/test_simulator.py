@@ -1,28 +1,18 @@
 """The CUDA launcher in Numba's simulator: the very kernels, as Python, thread by thread."""
 
-import os
-import pickle
-import subprocess
-import sys
-from importlib.util import find_spec
-from pathlib import Path
-
 import numpy as np
 import pytest
+from needs import numba_cuda
 from scenes import blob, everything, scene
+from simulated import SEED, check_same, films_of, on_cpu
 
-from vtkmcvr import schedule
-from vtkmcvr.film import copy_film
 from vtkmcvr.lights import ConstantEnvironment, DirectionalLight, RectangleLight
 from vtkmcvr.plan import plan
 from vtkmcvr.rendering import empty_film
 
-pytestmark = pytest.mark.skipif(
-    find_spec("numba_cuda") is None, reason="numba-cuda is not installed (extra cuda)"
-)
+pytestmark = numba_cuda
 
-TESTS = Path(__file__).parents[1]
-SIZE, SEED = (8, 6), 7
+SIZE = (8, 6)
 SKY = (ConstantEnvironment(0.5),)
 SCENES = {
     "single scattering, hybrid, all kinds of light": everything(
@@ -40,30 +30,7 @@ COUNTS[1, 3:] = 3
 
 @pytest.fixture(scope="module")
 def films(tmp_path_factory):
-    """Films by name: (of the CPU, of the simulator)."""
-    jobs = [(plan(s).packed, empty_film(plan(s)), COUNTS, SEED) for s in SCENES.values()]
-    folder = tmp_path_factory.mktemp("simulated")
-    (folder / "jobs").write_bytes(pickle.dumps(jobs))
-    subprocess.run(
-        [sys.executable, TESTS / "cuda_simulation.py", folder / "jobs", folder / "films"],
-        env={**os.environ, "NUMBA_ENABLE_CUDASIM": "1", "NUMBA_DISABLE_JIT": "1",
-             # Random numbers overflow on purpose
-             "PYTHONWARNINGS": "ignore::RuntimeWarning"},
-        check=True,
-    )  # fmt: skip
-    simulated = pickle.loads((folder / "films").read_bytes())
-    return {
-        name: (on_cpu(*job), film)
-        for name, job, film in zip(SCENES, jobs, simulated, strict=True)
-    }
-
-
-def on_cpu(packed, film, counts, seed):
-    film = copy_film(film)
-    rules = schedule.StopRules(int(counts.min()), None, None)
-    schedule.run(packed, film, rules, seed, 1)
-    schedule.fill_up(packed, film, counts, seed)
-    return film
+    return films_of(SCENES, COUNTS, tmp_path_factory.mktemp("simulated"))
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -72,11 +39,7 @@ def test_simulated_picture_is_that_of_the_cpu(films, name):
     assert (simulated.count == COUNTS).all()
     assert cpu.mean.max() > 0.05
     assert 0 < cpu.hits.sum() < COUNTS.sum()
-    for field in cpu._fields:
-        expected, found = getattr(cpu, field), getattr(simulated, field)
-        if isinstance(expected, np.ndarray):
-            least = 1e-5 * abs(expected).max()
-            np.testing.assert_allclose(found, expected, rtol=1e-5, atol=least, err_msg=field)
+    check_same(cpu, simulated)
 
 
 def test_another_seed_would_be_noticed(films):

@@ -95,7 +95,6 @@ def test_all_effects_at_their_ends_at_length(scattering, data):
     promised(data.draw(rich_scenes(scattering)))
 
 
-@pytest.mark.skip(reason="occlusion's memory is not bounded yet: 22 GB in one of these scenes")
 @pytest.mark.slow
 @pytest.mark.parametrize("mode", ["default", "fast", "paper"])
 @quick(150)

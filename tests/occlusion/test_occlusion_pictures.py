@@ -9,6 +9,8 @@ from scenes import BOX, blob, noise, scene, volume
 
 from vtkmcvr.lights import ConstantEnvironment
 from vtkmcvr.occlusion import Occlusion, render_occlusion
+from vtkmcvr.occlusion.beams import beams_of
+from vtkmcvr.occlusion.rendering import layout
 from vtkmcvr.phases import Cone
 from vtkmcvr.rendering import render_scene
 from vtkmcvr.scene import Camera, Stereo, Surface
@@ -280,3 +282,30 @@ def test_cameras_without_a_view_axis_are_refused():
         render_occlusion(replace(lit, camera=eyes))
     one = replace(eyes, stereo=Stereo("left"))
     assert render_occlusion(replace(lit, camera=one)).alpha.max() > 0.5
+
+
+@pytest.mark.parametrize("mode", ["default", "fast", "paper"])
+def test_corners_of_a_wide_view_send_no_more_light_than_they_hide(mode):
+    # White medium under a white sky, view rays up to 60 degrees off the axis
+    eye = Camera((0, -1.3, 0), (0, 0, 0), view_angle=100)
+    lit = scene(volume(np.ones((5, 5, 5)), (0.5,) * 3), medium(1.5), eye, (15, 15), lights=SKY)
+    picture = render_occlusion(lit, Occlusion(60, mode))
+    assert picture.alpha.max() > 0.5
+    assert (picture.radiance <= 1.001 * picture.alpha[..., None]).all()
+
+
+def test_a_view_through_a_keyhole_takes_no_more_steps_than_any_other():
+    # A pixel 20 000 times smaller than a layer: beams in strides of pixels would not fit in memory
+    def places(angle):
+        camera = replace(PERSPECTIVE, view_angle=angle)
+        lit = scene(blob(), medium(6.0), camera, (24, 24), lights=SKY)
+        _, raster, _ = layout(lit, Occlusion(60))
+        return sum(
+            len(route.places) for route in beams_of(raster, np.radians(60), 64, None).routes(raster)
+        )
+
+    assert places(1e-3) <= 4 * places(32)
+    lit = scene(blob(), medium(6.0), replace(PERSPECTIVE, view_angle=1e-3), (24, 24), lights=SKY)
+    picture = render_occlusion(lit, Occlusion(60))
+    assert np.isfinite(picture.radiance).all()
+    assert np.ptp(picture.alpha) < 1e-3

@@ -22,6 +22,8 @@ def add_replay(commands: Any) -> None:
     add("-o", "--output", required=True, help="picture: .png .exr .vti .npz")
     add("--input", action="append", default=[], metavar="VOLUME",
         help="volume it was made of; not needed for the synthetic head")  # fmt: skip
+    add("--labels", action="append", default=[], metavar="FILE",
+        help="segmentation, put onto the grid of the first volume")  # fmt: skip
     add("--series", help="series UID or number, where a DICOM folder holds several")
     add("--environment", action="append", default=[], metavar="MAP",
         help=".hdr or .exr panorama it was lit by")  # fmt: skip
@@ -58,4 +60,15 @@ def _data(args: argparse.Namespace) -> list[Any]:
     from ..environment_files import read_environment
 
     volumes = [read_input(path, args.series) for path in args.input]
-    return [*volumes, *(read_environment(path) for path in args.environment)]
+    maps = [read_environment(path) for path in args.environment]
+    return [*volumes, *_labels(args.labels, volumes), *maps]
+
+
+def _labels(paths: list[str], volumes: list[Any]) -> list[Any]:
+    from ..readers import read_labels
+    from ..vtk_scene import volume_of
+    from .labelling import grid_image
+
+    if paths and not volumes:
+        raise ValueError("--labels needs --input: the volume onto whose grid they are put")
+    return [read_labels(path, like=grid_image(volume_of(volumes[0]))) for path in paths]

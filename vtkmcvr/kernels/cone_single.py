@@ -113,13 +113,17 @@ def seen_light(missing, y, x):
 
 
 @kernel
-def published_read(missing, depth, visible, layer, light):
-    """Eye pass as published: the light at the fragment's own place, alpha = 1 - exp(-sigma_t d)."""
+def published_read(perspective, missing, depth, visible, layer, light):
+    """Eye pass as published: the light at the fragment's own place, alpha = 1 - exp(-sigma_t d).
+
+    d is the way through the layer along the pixel's own view ray, as in its alpha: not the layer's
+    thickness, by which a picture's corners would send more light than they have alpha.
+    """
     for run in range(visible.first[layer], visible.first[layer + 1]):
         row, start, end = visible.listed[run, 0], visible.listed[run, 1], visible.listed[run, 2]
         slot = visible.slot[run] - start
         for column in range(start, end):
-            a = depth[layer, row, column]
+            a = depth[layer, row, column] * eye_secant(perspective, row, column)
             alpha = -math.expm1(-a)
             light[slot + column] = (ONE - missing[row, column]) * (
                 alpha / a if a > f32(1e-6) else ONE

@@ -24,8 +24,9 @@ WIDEST = math.radians(86.0)
 MOST_RATIO = 16.0
 # Cone, radians, that is a single direction; directions in the narrowest one of several
 NARROWEST, FEW = 1e-3, 6.0
-# Pixels that a beam may move sideways at a time
-STRIDE = 1.5
+# Pixels that a beam may move sideways at a time; or layers, where pixels are much finer than these:
+# a view through a keyhole takes no more steps than any other
+STRIDE, LAYERS_STRIDE = 1.5, 0.25
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +59,9 @@ class Beams:
         steps = self.sideways[:, None, ::-1] * (moves * share)[..., None]
         # Beams are rounded to pixels at different places, which evens the errors out
         phase = (np.arange(len(self))[:, None] * PLASTIC + 0.5) % 1
-        return [_route(*each) for each in zip(steps, phase, strict=True)]
+        pixel = raster.pitch / per_depth
+        stride = np.maximum(STRIDE, LAYERS_STRIDE * raster.thickness / pixel)
+        return [_route(*each, stride) for each in zip(steps, phase, strict=True)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,9 +83,9 @@ class Route:
     first: NDArray[np.int64]
 
 
-def _route(steps: NDArray, phase: NDArray) -> Route:
-    """Straight way over the raster, rounded at each place."""
-    parts = np.maximum(1, np.ceil(np.abs(steps).max(axis=1) / STRIDE)).astype(np.int64)
+def _route(steps: NDArray, phase: NDArray, stride: NDArray) -> Route:
+    """Straight way over the raster, rounded at each place; layers in strides of some pixels."""
+    parts = np.maximum(1, np.ceil(np.abs(steps).max(axis=1) / stride)).astype(np.int64)
     before = np.concatenate([np.zeros((1, 2)), np.cumsum(steps, axis=0)])[:-1]
     first = np.concatenate([[0], np.cumsum(parts)])
     layer = np.repeat(np.arange(len(parts)), parts)

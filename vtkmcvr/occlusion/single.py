@@ -169,7 +169,10 @@ class Published:
         weights[:] = 1
         raster = self.raster
         for index in range(block.size):
-            published_read(self.missing, block.layers.depth, block.visible, index, sums[0, 0])
+            published_read(
+                raster.perspective, self.missing, block.layers.depth, block.visible, index,
+                sums[0, 0],
+            )  # fmt: skip
             pitch = raster.pitch
             if not raster.parallel:
                 pitch *= raster.near + (block.start + index) * raster.thickness

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ..curves import Curve
 from ..scene import Camera, Scene, Volume
+from ..segmentation import Segmentation
 from ..studio import studio_lights
 from .body import DENSER_THAN, body_mask, worth_hiding
 from .catalogue import LOOKS, look_named
@@ -41,6 +42,8 @@ class Dressed:
         What was chosen and noticed on the way.
     points : array (n, 3), optional
         World points that a picture of what is seen should hold. None: nothing is seen.
+    segmentation : Segmentation, optional
+        Whose labels are solids, or are left out.
     """
 
     scene: Scene
@@ -48,6 +51,7 @@ class Dressed:
     preset: str
     notes: tuple[str, ...]
     points: NDArray | None = None
+    segmentation: Segmentation | None = None
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,9 @@ def as_solids(dressed: Dressed, segmentation: Segmentation) -> Dressed:
         labels=solids.labels, mask=None,
     )  # fmt: skip
     told = f"look {dressed.preset}: {len(segmentation.shown)} of {len(segmentation.names)} labels"
-    return replace(dressed, scene=scene, notes=(told,), points=_points(solids))
+    return replace(
+        dressed, scene=scene, notes=(told,), points=_points(solids), segmentation=segmentation
+    )
 
 
 def with_segmentation(dressed: Dressed, segmentation: Segmentation) -> Dressed:
@@ -34,7 +36,10 @@ def with_segmentation(dressed: Dressed, segmentation: Segmentation) -> Dressed:
         mask = mask * (scene.mask != 0)
     if segmentation.only_hides:
         told = f"{len(segmentation.hide)} of {len(segmentation.names)} labels are hidden"
-        return replace(dressed, scene=replace(scene, mask=mask), notes=(*dressed.notes, told))
+        return replace(
+            dressed, scene=replace(scene, mask=mask), notes=(*dressed.notes, told),
+            segmentation=segmentation,
+        )  # fmt: skip
     told = f"{len(segmentation.shown)} of {len(segmentation.names)} labels are solids"
     solids = segmentation.solids()
     points = [c for c in (dressed.points, _points(solids)) if c is not None]
@@ -43,6 +48,7 @@ def with_segmentation(dressed: Dressed, segmentation: Segmentation) -> Dressed:
         scene=replace(scene, mask=mask, layers=(*scene.layers, solids)),
         notes=(*dressed.notes, told),
         points=np.concatenate(points) if points else None,
+        segmentation=segmentation,
     )
 
 
