@@ -18,15 +18,15 @@ logger = logging.getLogger("vtkmcvr")
 Filter = TypeVar("Filter", bound=Any)
 
 
-def settings_of(renderer: vtkRenderer, settings: dict[str, Any]) -> dict[str, Any]:
+def settings_of(renderer: vtkRenderer) -> dict[str, Any]:
     """Parameters of a filter of a renderer, without what belongs to connections."""
-    own: dict[str, Any] = {"renderer": renderer, "colours": "display"}
+    own: dict[str, Any] = {"renderer": renderer}
     size = renderer.GetSize()
     if all(size):
         own["film_size"] = tuple(size)
     if any(prop.IsA("vtkSkybox") and prop.GetVisibility() for prop in props_of(renderer)):
         own["environment_visible"] = True
-    return {**own, **settings}
+    return own
 
 
 def fill(algorithm: Filter, renderer: vtkRenderer) -> Filter:

@@ -164,7 +164,9 @@ class SceneFilter(ImageFilter):
     )  # fmt: skip
 
     inputs = PORTS
+    # What a filter of a renderer does with meshes and colours
     takes_meshes = True
+    renderer_colours = "display"
     outputs = ("vtkImageData", "vtkTable")
 
     def __init__(self, **settings: Any) -> None:
@@ -198,7 +200,8 @@ class SceneFilter(ImageFilter):
         TypeError
             For volumes of a kind that no scene has.
         """
-        return fill(cls(**settings_of(renderer, settings)), renderer)
+        own = {"colours": cls.renderer_colours, **settings_of(renderer)}
+        return fill(cls(**{**own, **settings}), renderer)
 
     def RequestInformation(self, request: Any, inputs: Any, outputs: Any) -> int:
         """Announce the film."""
