@@ -10,7 +10,7 @@ TIMINGS := tests/bench/test_benchmarks.py --benchmark-storage=tests/bench/baseli
 	--benchmark-columns=min,median,rounds -W default
 INSTALL := $(RUN) pip install --quiet --disable-pip-version-check
 
-.PHONY: demo test slow sanitize numerics lint bench bench-compare bench-baseline accuracy speed gpu clean
+.PHONY: demo test slow sanitize numerics lint bench bench-compare bench-baseline accuracy speed gpu paraview vtk92 clean
 
 $(VENV)/installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -77,6 +77,14 @@ bench-baseline: $(VENV)/installed-test
 gpu: $(VENV)/installed-test
 	$(INSTALL) --editable ".[cuda]"
 	$(VENV)/bin/python tests/gpu -o gpu.json
+
+# A picture inside ParaView, which apt installs where it can; says so, loudly, where it is not there
+paraview: $(VENV)/installed-test
+	tests/paraview/run.sh $(CURDIR)/$(VENV)/bin/python
+
+# Tests of the filters with VTK 9.2 and without PyVista, in an environment of their own
+vtk92: $(VENV)/installed-test
+	tests/filters/old_vtk.sh $(CURDIR)/$(VENV)/bin/python
 
 # docs/accuracy.md anew, in some 12 minutes on 2 quiet cores, once all kernels are compiled
 accuracy: $(VENV)/installed-test

@@ -11,13 +11,12 @@ import weakref
 from collections.abc import Iterator
 from typing import Any
 
-from vtkmodules.vtkCommonCore import vtkCollection, vtkCommand, vtkObject
+from vtkmodules.vtkCommonCore import vtkCommand, vtkObject
 from vtkmodules.vtkCommonExecutionModel import vtkAlgorithm
-from vtkmodules.vtkRenderingCore import vtkVolumeProperty
-from vtkmodules.vtkRenderingVolume import vtkVolumeMapper
+
+from .members import members_of
 
 MODIFIED = vtkCommand.ModifiedEvent
-RGB_CHANNELS = 3
 
 
 class Dependencies:
@@ -34,6 +33,7 @@ class Dependencies:
         self._roots: dict[str, tuple[vtkObject, ...]] = {}
         self._observed: list[tuple[vtkObject, int]] = []
         self._newest = 0
+        self._components = 1
         self._quiet = False
 
     def watch(self, name: str, value: Any) -> None:
@@ -41,6 +41,12 @@ class Dependencies:
         values = value if isinstance(value, tuple) else (value,)
         self._roots[name] = tuple(v for v in values if isinstance(v, vtkObject))
         self._observe()
+
+    def components(self, count: int) -> None:
+        """Depend on the functions of so many components; asking a property for more makes them."""
+        if count > self._components:
+            self._components = count
+            self._observe()
 
     def poll(self) -> None:
         """Tell the algorithm if an object changed without an event."""
@@ -89,30 +95,4 @@ class Dependencies:
         for roots in self._roots.values():
             for root in roots:
                 yield root
-                yield from _members(root)
-
-
-def _members(owner: vtkObject) -> Iterator[vtkObject]:
-    """Objects whose events the owner does not pass on."""
-    if isinstance(owner, vtkVolumeProperty):
-        yield owner.GetScalarOpacity(0)
-        if owner.GetColorChannels(0) == RGB_CHANNELS:
-            yield owner.GetRGBTransferFunction(0)
-        else:
-            yield owner.GetGrayTransferFunction(0)
-    elif isinstance(owner, vtkVolumeMapper):
-        yield from _cuts(owner)
-    elif isinstance(owner, vtkCollection):
-        for index in range(owner.GetNumberOfItems()):
-            yield owner.GetItemAsObject(index)
-
-
-def _cuts(mapper: vtkVolumeMapper) -> Iterator[vtkObject]:
-    """Clipping planes and mask of a mapper."""
-    planes = mapper.GetClippingPlanes()
-    if planes is not None:
-        yield planes
-        yield from _members(planes)
-    mask = getattr(mapper, "GetMaskInput", lambda: None)()
-    if mask is not None:
-        yield mask
+                yield from members_of(root, self._components)

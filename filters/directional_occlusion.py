@@ -14,11 +14,12 @@ from .picture_filter import PictureFilter
 class DirectionalOcclusionFilter(PictureFilter):
     """Renders a volume by directional occlusion shading: quick, without noise, biased.
 
-    Input: vtkImageData with one component. Output: vtkImageData of the film's size with the float32
-    point arrays "radiance" (active; linear RGB premultiplied by alpha, and alpha), "depth" (world
-    units, inf beside the volume) and, where `aovs` asks for them, "albedo" and "normal": the same
-    as a `MonteCarloFilter`'s, so that a viewer can fade from one into the other. Lights count by
-    how much they give the volume's centre; a lens does not count.
+    Inputs: volumes as in `SceneFilter`, no meshes. Output 0: vtkImageData of the film's size with
+    the float32 point arrays "radiance" (active; linear RGB premultiplied by alpha, and alpha),
+    "depth" (world units, inf beside the volume) and, where `aovs` asks for them, "albedo" and
+    "normal": the same as a `MonteCarloFilter`'s, so that a viewer can fade from one into the other.
+    Output 1: a vtkTable, see `statistics.table_of_picture`. Lights count by how much they give the
+    volume's centre; a lens does not count.
 
     Parameters
     ----------
@@ -29,6 +30,8 @@ class DirectionalOcclusionFilter(PictureFilter):
     occlusion = Parameter(
         Occlusion(), one_of("occlusion", Occlusion), "vtkmcvr.Occlusion: cone, mode and accuracy."
     )
+
+    takes_meshes = False
 
     def settings(self) -> tuple[Any, ...]:
         """Return what decides the picture beside the scene."""

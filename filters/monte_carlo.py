@@ -5,26 +5,27 @@ from __future__ import annotations
 import dataclasses
 from typing import Any, get_args
 
-from vtkmodules.vtkCommonDataModel import vtkImageData
-
 from vtkmcvr import backends, checks
 from vtkmcvr.phases import Phase
 from vtkmcvr.picture import Picture
-from vtkmcvr.rendering import render_scene
+from vtkmcvr.rendering import DEFAULT_SAMPLES, render_scene
 from vtkmcvr.scene import ESTIMATORS, Scene, Surface
 
 from .parameters import Parameter, one_of, optional
 from .picture_filter import PictureFilter
+from .scene_inputs import Inputs
 
 
 class MonteCarloFilter(PictureFilter):
     """Renders a volume by Monte Carlo light transport.
 
-    Input: vtkImageData with one component. Output: vtkImageData of the film's size with the float32
+    Inputs: volumes as in `SceneFilter`. Output 0: vtkImageData of the film's size with the float32
     point arrays "radiance" (active; linear RGB premultiplied by alpha, and alpha), "depth" (world
-    units, inf beside the volume) and "standard_error" (of RGB), and those named by `aovs`.
+    units, inf beside the volume) and "standard_error" (of RGB), and those named by `aovs`. Output
+    1: a vtkTable of what is known of the picture, see `statistics.table_of_picture`.
 
-    Rays are traced when a value that matters has changed.
+    Rays are traced when a value that matters has changed; more `samples` go on from those that the
+    picture has.
 
     Parameters
     ----------
@@ -75,18 +76,34 @@ class MonteCarloFilter(PictureFilter):
         '"sobol" (samples spread evenly) or "independent".',
     )  # fmt: skip
 
-    def scene(self, image: vtkImageData) -> Scene:
-        """Return the scene of an image, with the transport that is asked for."""
-        scene = super().scene(image)
+    def scene_of_inputs(self, inputs: Inputs) -> Scene:
+        """Return the scene of what arrives, with the transport that is asked for."""
+        scene = super().scene_of_inputs(inputs)
         return dataclasses.replace(
             scene, shadow_reach=self.shadow_reach, estimator=self.estimator,
             ratio_tracking=self.ratio_tracking, sampler=self.sampler,
             phase=self.phase or scene.phase, surface=self.surface or scene.surface,
         )  # fmt: skip
 
+    def UpdateSamples(self, samples: int) -> None:
+        """Bring the picture to so many samples per pixel in all, going on from those it has.
+
+        Nothing is traced again: the bits are those of a run of `samples` from the start.
+        """
+        self.samples = samples
+        self.Update()
+
     def settings(self) -> tuple[Any, ...]:
         """Return what decides the picture beside the scene."""
         return self.samples, self.seconds, self.nrms, self.seed, self.backend
+
+    def refined(self, picture: Picture) -> Picture | None:
+        """Return the picture with more samples, where their number is what ends it."""
+        samples = DEFAULT_SAMPLES if self.samples is None else self.samples
+        ends = self.seconds is None and self.nrms is None and samples > picture.samples
+        if not ends or picture.seed != self.seed or self.backend not in ("auto", picture.backend):
+            return None
+        return picture.refine(samples, progress=self.report, abort=self.aborted)
 
     def render(self, scene: Scene) -> Picture:
         """Return the picture of a scene."""

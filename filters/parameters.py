@@ -77,3 +77,16 @@ def one_of(name: str, *kinds: type) -> Callable[[Any], Any]:
         return value
 
     return check
+
+
+def sequence_of(name: str, kind: type) -> Callable[[Any], tuple[Any, ...]]:
+    """Return a check for one object of a type, or a sequence of them, as a tuple."""
+
+    def check(value: Any) -> tuple[Any, ...]:
+        found = (value,) if isinstance(value, kind) else tuple(value)
+        for item in found:
+            if not isinstance(item, kind):
+                raise TypeError(f"{name} are {kind.__name__} objects, got {item!r}")
+        return found
+
+    return check

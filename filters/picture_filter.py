@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import dataclasses
 from typing import Any
 
-from vtkmodules.vtkCommonDataModel import vtkImageData
+from vtkmodules.vtkCommonDataModel import vtkImageData, vtkTable
 
 from vtkmcvr import checks
 from vtkmcvr.noiseless_picture import NoiselessPicture
@@ -17,6 +16,9 @@ from vtkmcvr.vtk_scene import image_of_picture
 
 from .parameters import Parameter, optional
 from .scene_filter import SceneFilter
+from .scene_inputs import inputs_of
+from .scene_values import value_of
+from .statistics import table_of_picture
 
 
 class PictureFilter(SceneFilter):
@@ -55,20 +57,34 @@ class PictureFilter(SceneFilter):
         """Return the picture of a scene; implemented by subclasses."""
         raise NotImplementedError
 
+    def refined(self, picture: Any) -> Picture | NoiselessPicture | None:
+        """Return a picture of the same scene made better; None where it has to be made anew.
+
+        Called where the scene is unchanged, and `settings` are not or the picture was aborted. The
+        result is what `render` would make.
+        """
+        return None
+
     def settings(self) -> tuple[Any, ...]:
         """Return what decides the picture beside the scene; implemented by subclasses."""
         raise NotImplementedError
 
-    def produce(self, image: vtkImageData) -> vtkImageData:
-        """Return the picture of an image; the last one where no value has changed."""
-        scene = self.scene(image)
-        values = tuple(getattr(scene, field.name) for field in dataclasses.fields(scene))
-        key = (values, self.settings())
+    def execute(self, inputs: Any, outputs: Any) -> None:
+        """Hand out the picture and what is known of it; the last one where no value changed."""
+        picture = self._up_to_date(self.scene_of_inputs(inputs_of(inputs)))
+        vtkImageData.GetData(outputs, 0).ShallowCopy(image_of_picture(picture))
+        vtkTable.GetData(outputs, 1).ShallowCopy(table_of_picture(picture))
+
+    def _up_to_date(self, scene: Scene) -> Picture | NoiselessPicture:
+        key = (value_of(scene), self.settings())
         picture = self._picture
-        if picture is None or picture.stopped_by == "user" or key != self._key:
-            picture = self.render(scene)
-            self._picture, self._key = picture, key
-        return image_of_picture(picture)
+        if picture is not None and picture.stopped_by != "user" and key == self._key:
+            return picture
+        better = None
+        if picture is not None and key[0] == self._key[0]:
+            better = self.refined(picture)
+        self._picture, self._key = better or self.render(scene), key
+        return self._picture
 
     def report(self, state: Progress) -> None:
         """Tell VTK how far the picture is."""

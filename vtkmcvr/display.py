@@ -8,13 +8,15 @@ instead of a plain gamma.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Floats = NDArray[np.floating]
+
+# Stops at which volumes that only scatter, and those with surfaces, are about as bright as VTK's
+EXPOSURE, SHADED_EXPOSURE = 2.5, 1.5
 
 # IEC 61966-2-1: the straight part near black and where it ends
 SRGB_SLOPE = 12.92
@@ -130,7 +132,7 @@ def to_rgba8(
     alpha: ArrayLike | None,
     *,
     exposure: float = 0.0,
-    background: Sequence[float] | None = None,
+    background: ArrayLike | None = None,
     gamma: float | None = None,
     curve: str = "film",
 ) -> NDArray[np.uint8]:
@@ -148,9 +150,10 @@ def to_rgba8(
         (H, W) coverage, clamped to 0..1; None for an opaque picture.
     exposure : float
         Stops, see `tone_map`.
-    background : sequence of float, optional
-        Display colour (r, g, b) in 0..1 behind the picture, mixed in linear display light. Without
-        it the picture keeps its coverage: straight alpha, colour 0 where nothing is covered.
+    background : array_like, optional
+        Display colour (r, g, b) in 0..1 behind the picture, or (H, W, 3) of them, mixed in linear
+        display light. Without it the picture keeps its coverage: straight alpha, colour 0 where
+        nothing is covered.
     gamma : float, optional
         See `encode`.
     curve : {"film", "none"}
@@ -175,7 +178,7 @@ def to_rgba16(
     alpha: ArrayLike | None,
     *,
     exposure: float = 0.0,
-    background: Sequence[float] | None = None,
+    background: ArrayLike | None = None,
     gamma: float | None = None,
     curve: str = "film",
 ) -> NDArray[np.uint16]:
@@ -187,7 +190,7 @@ def _shown(
     radiance: ArrayLike,
     alpha: ArrayLike | None,
     exposure: float,
-    background: Sequence[float] | None,
+    background: ArrayLike | None,
     gamma: float | None,
     curve: str,
 ) -> Floats:
@@ -197,7 +200,7 @@ def _shown(
     coverage = _coverage(alpha, light)
     colour = CURVES[curve](_straight(light, coverage), exposure)
     if background is not None:
-        behind = decode(_background(background), gamma).astype(light.dtype)
+        behind = decode(_background(background, light.shape), gamma).astype(light.dtype)
         colour = colour * coverage + (1 - coverage) * behind
         coverage = np.ones_like(coverage)
     return np.concatenate([encode(colour, gamma), coverage], axis=2)
@@ -223,10 +226,12 @@ def _straight(light: Floats, coverage: Floats) -> Floats:
     return np.where(coverage > 0, np.clip(quotient, 0, most), 0)
 
 
-def _background(background: Sequence[float]) -> Floats:
+def _background(background: ArrayLike, shape: tuple[int, ...]) -> Floats:
     behind = _finite("background", background)
-    if behind.shape != (3,) or behind.min() < 0 or behind.max() > 1:
-        raise ValueError(f"background must be (r, g, b) in 0..1, got {background!r}")
+    if behind.shape not in ((3,), shape) or behind.min() < 0 or behind.max() > 1:
+        raise ValueError(
+            f"background must be (r, g, b) in 0..1, or of shape {shape}, got {background!r}"
+        )
     return behind
 
 

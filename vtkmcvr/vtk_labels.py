@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from vtkmodules.vtkCommonDataModel import vtkImageData
 from vtkmodules.vtkRenderingCore import vtkVolumeProperty
 from vtkmodules.vtkRenderingVolume import vtkVolumeMapper
 
-from .labels import Labels
+from .labels import Labels, whole_numbers
 from .scene import TransferFunction
 from .vtk_property import RGB_CHANNELS
 from .vtk_transfer import colour_curve, grey_curve, opacity_curve
@@ -18,8 +20,52 @@ from .vtk_volume import volume_of
 BINARY = 0
 
 
+class MaskCache:
+    """Hands out the same array while its image is unchanged, going by modification times."""
+
+    def __init__(self) -> None:
+        self._key: tuple[Any, ...] | None = None
+        self._values: NDArray = np.empty(0)
+        self._labels: list[int] = []
+
+    def mask(
+        self, image: vtkImageData, volume_property: vtkVolumeProperty, kind: str = "auto"
+    ) -> tuple[NDArray | None, Labels | None]:
+        """Mask or label map of an image: (mask, labels), at most one of them.
+
+        Parameters
+        ----------
+        image : vtkImageData
+            On the volume's grid. 0 hides a voxel of a mask.
+        volume_property : vtkVolumeProperty
+            With the labels' functions; without any, labels change nothing.
+        kind : {"auto", "mask", "labels"}
+            "auto": labels where the property has functions for some.
+        """
+        labelled = bool(volume_property.GetNumberOfLabels())
+        if kind == "mask" or (kind == "auto" and not labelled):
+            return self._of(image, binary=True), None
+        if not labelled:
+            return None, None
+        values = self._of(image, binary=False)
+        return None, Labels(values, label_transfers_of(volume_property, self._labels))
+
+    def _of(self, image: vtkImageData, binary: bool) -> NDArray:
+        key = (image, image.GetMTime(), image.GetUpdateTime(), binary)
+        if key != self._key:
+            values = volume_of(image).values
+            if binary:
+                self._values, self._labels = values > 0, []
+            else:
+                # Refuses fractions, and leaves what `Labels` need not turn into integers anew
+                self._values = whole_numbers("labels", values)
+                self._labels = np.unique(self._values).tolist()
+            self._key = key
+        return self._values
+
+
 def mask_of(
-    mapper: vtkVolumeMapper, volume_property: vtkVolumeProperty
+    mapper: vtkVolumeMapper, volume_property: vtkVolumeProperty, cache: MaskCache | None = None
 ) -> tuple[NDArray | None, Labels | None]:
     """Mask or label map of a GPU mapper: (mask, labels), at most one of them.
 
@@ -29,6 +75,7 @@ def mask_of(
         Only vtkGPUVolumeRayCastMapper has a mask.
     volume_property : vtkVolumeProperty
         With the labels' functions.
+    cache : MaskCache, optional
 
     Raises
     ------
@@ -38,18 +85,15 @@ def mask_of(
     image = getattr(mapper, "GetMaskInput", lambda: None)()
     if image is None:
         return None, None
-    values = volume_of(image).values
-    if mapper.GetMaskType() == BINARY:  # type: ignore[attr-defined]
-        return values > 0, None
-    if not volume_property.GetNumberOfLabels():
-        return None, None
-    blend = mapper.GetMaskBlendFactor()  # type: ignore[attr-defined]
-    if blend != 1.0:
-        raise ValueError(
-            f"the mapper's mask blend factor is {blend:g}; only 1 is supported: call "
-            "SetMaskBlendFactor(1)"
-        )
-    return None, Labels(values, label_transfers_of(volume_property, np.unique(values).tolist()))
+    kind = "mask" if mapper.GetMaskType() == BINARY else "labels"  # type: ignore[attr-defined]
+    if kind == "labels" and volume_property.GetNumberOfLabels():
+        blend = mapper.GetMaskBlendFactor()  # type: ignore[attr-defined]
+        if blend != 1.0:
+            raise ValueError(
+                f"the mapper's mask blend factor is {blend:g}; only 1 is supported: call "
+                "SetMaskBlendFactor(1)"
+            )
+    return (cache or MaskCache()).mask(image, volume_property, kind)
 
 
 def label_transfers_of(
@@ -76,6 +120,11 @@ def label_transfers_of(
         return found
     for label in map(int, labels):
         opacity, colour = p.GetLabelScalarOpacity(label), p.GetLabelColor(label)
+        if p.GetLabelGradientOpacity(label) is not None:
+            raise ValueError(
+                f"label {label} has a gradient opacity function, which is not supported yet; give "
+                "it a scalar opacity function"
+            )
         if opacity is None and colour is None:
             continue
         found[label] = TransferFunction(

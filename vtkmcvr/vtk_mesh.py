@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,9 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkPolyData
 from vtkmodules.vtkCommonMath import vtkMatrix4x4
 from vtkmodules.vtkFiltersCore import vtkTriangleFilter
+from vtkmodules.vtkRenderingCore import vtkActor
 
+from .display import srgb_decode
 from .receivers import MeshReceiver, Receiver
 from .vtk_matrix import matrix_of
 
@@ -63,22 +65,45 @@ def mesh_of(
     return MeshReceiver(points, corners, normals, **look)
 
 
+def look_of_actor(actor: vtkActor) -> dict[str, Any]:
+    """Place, smoothness and colour of an actor, as `mesh_of` takes them."""
+    look = actor.GetProperty()
+    colour = srgb_decode(np.array(look.GetDiffuseColor()))
+    return {
+        "user_matrix": matrix_of(actor.GetMatrix()),
+        "smooth": look.GetInterpolation() > 0,
+        "colour": tuple(colour.tolist()),
+    }
+
+
 class MeshCache:
-    """Hands out the same `MeshReceiver` while its vtkPolyData is unchanged."""
+    """Hands out the same `MeshReceiver` while its vtkPolyData and its look are unchanged."""
 
     def __init__(self) -> None:
-        self._known: list[tuple[vtkPolyData, int, MeshReceiver]] = []
+        self._known: list[tuple[vtkPolyData, tuple[Any, ...], MeshReceiver]] = []
 
-    def receivers(self, items: Iterable[vtkPolyData | Receiver]) -> tuple[Receiver, ...]:
-        """Receivers of meshes and receivers; forgets meshes that are not among them."""
+    def receivers(
+        self,
+        items: Iterable[vtkPolyData | Receiver],
+        looks: Mapping[int, Mapping[str, Any]] | None = None,
+    ) -> tuple[Receiver, ...]:
+        """Receivers of meshes and receivers; forgets meshes that are not among them.
+
+        Parameters
+        ----------
+        items : iterable of vtkPolyData or Receiver
+        looks : mapping of int, optional
+            Options of `mesh_of` for some of the meshes, by position.
+        """
         known, found = [], []
-        for item in items:
+        for index, item in enumerate(items):
             if isinstance(item, Receiver):
                 found.append(item)
                 continue
-            time = item.GetMTime()
-            same = [mesh for data, then, mesh in self._known if data is item and then == time]
-            known.append((item, time, same[0] if same else mesh_of(item)))
+            look = (looks or {}).get(index, {})
+            key = (item.GetMTime(), *((k, np.array(v).tobytes()) for k, v in look.items()))
+            same = [mesh for data, then, mesh in self._known if data is item and then == key]
+            known.append((item, key, same[0] if same else mesh_of(item, **look)))
             found.append(known[-1][2])
         self._known = known
         return tuple(found)

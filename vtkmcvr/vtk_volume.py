@@ -83,6 +83,12 @@ def components_of(image: vtkImageData, scalars: str | None = None) -> int:
     return int(_choose(image, scalars)[0].GetNumberOfComponents())
 
 
+def scalars_of(mapper: Any) -> str | None:
+    """Name of the array that a volume mapper takes; None: the active one."""
+    named = mapper.GetArrayAccessMode() == 1 and mapper.GetScalarMode() in (3, 4)
+    return mapper.GetArrayName() or None if named else None
+
+
 class VolumeCache:
     """Hands out the same `Volume` while the image is unchanged, going by modification times."""
 

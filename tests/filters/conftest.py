@@ -15,6 +15,7 @@ from vtkmodules.vtkRenderingCore import (
 
 from vtkmcvr import voxels
 from vtkmcvr.filters import MonteCarloFilter, ToneMapFilter, monte_carlo
+from vtkmcvr.picture import Picture
 
 
 def counted(monkeypatch, module, name):
@@ -30,8 +31,16 @@ def counted(monkeypatch, module, name):
 
 @pytest.fixture
 def traced(monkeypatch):
-    """One entry for each render."""
-    return counted(monkeypatch, monte_carlo, "render_scene")
+    """One entry for each time that rays are traced."""
+    calls = counted(monkeypatch, monte_carlo, "render_scene")
+    original = Picture.refine
+
+    def refine(*args, **kwargs):
+        calls.append(args)
+        return original(*args, **kwargs)
+
+    monkeypatch.setattr(Picture, "refine", refine)
+    return calls
 
 
 @pytest.fixture

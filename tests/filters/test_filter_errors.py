@@ -108,9 +108,9 @@ def test_an_aborted_run_is_a_valid_picture_and_not_kept(pipeline, traced):
 
 
 def test_keyboard_interrupt_reaches_the_caller(pipeline):
-    def produce(image):
+    def render(scene):
         raise KeyboardInterrupt
 
-    pipeline.render.produce = produce
+    pipeline.render.render = render
     with pytest.raises(KeyboardInterrupt):
         pipeline.tone.Update()

@@ -7,7 +7,7 @@ import weakref
 
 import numpy as np
 import pytest
-from vtkmodules.vtkCommonCore import VTK_FLOAT
+from vtkmodules.vtkCommonCore import VTK_FLOAT, vtkVersion
 from vtkmodules.vtkCommonDataModel import vtkDataObject
 from vtkmodules.vtkImagingCore import vtkImageCast, vtkImageFlip
 from vtkmodules.vtkRenderingCore import vtkCamera
@@ -136,7 +136,10 @@ def test_filters_are_freed_with_their_observers(pipeline):
     assert all(owner.HasObserver("ModifiedEvent") for owner in watched)
     freed = [weakref.ref(pipeline.render), weakref.ref(pipeline.tone)]
     volume = weakref.ref(pipeline.render.picture.plan.scene.volume)
-    del pipeline.render, pipeline.tone
+    # VTK 9.2 keeps the attributes of what downstream outlives until it frees something else
+    old = vtkVersion.GetVTKMinorVersion() < 3
+    for name in ("tone", "render") if old else ("render", "tone"):
+        delattr(pipeline, name)
     gc.collect()
     assert [ref() for ref in freed] == [None, None]
     assert volume() is None

@@ -2,26 +2,21 @@
 
 from __future__ import annotations
 
-import itertools
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from vtkmodules.vtkCommonDataModel import vtkImageData
 from vtkmodules.vtkRenderingCore import vtkVolume
 
-from ..curves import ColourCurve
-from ..display import srgb_decode
 from ..layers import Layer
 from ..scene import Volume
+from ..vtk_colours import in_linear_light
 from ..vtk_cutting import clip_of, cropping_of
 from ..vtk_labels import mask_of
+from ..vtk_props import identity
 from ..vtk_scene import Look, VolumeCache, looks_of, matrix_of, refuse_mapper_features
 from ..vtk_volume import check_image
-from .props import identity
-
-# Nodes, about, of a colour function in linear light
-COLOURS = 512
+from ..vtk_volume import scalars_of as array_name_of
 
 
 class VolumeLooks:
@@ -87,7 +82,7 @@ class VolumeLooks:
             )  # fmt: skip
             matrix = matrix_of(prop.GetMatrix())
             self._looks = tuple(
-                _placed(_in_linear_light(look) if linear else look, matrix) for look in looks
+                _placed(in_linear_light(look) if linear else look, matrix) for look in looks
             )
             # Reading a look may have made functions that were never set
             self._look_key = (image, image.GetMTime(), look_time(prop), matrix_key(prop), *how)
@@ -123,9 +118,7 @@ def image_of(prop: vtkVolume) -> vtkImageData:
 
 def scalars_of(prop: vtkVolume) -> str | None:
     """Name of the array that the mapper takes; None: the active one."""
-    mapper = mapper_of(prop)
-    named = mapper.GetArrayAccessMode() == 1 and mapper.GetScalarMode() in (3, 4)
-    return mapper.GetArrayName() or None if named else None
+    return array_name_of(mapper_of(prop))
 
 
 def look_time(prop: vtkVolume) -> int:
@@ -157,34 +150,3 @@ def _placed(look: Look, matrix: np.ndarray) -> Look:
     volume = look.volume
     moved = Volume(volume.values, matrix @ volume.index_to_world, volume.colours)
     return look._replace(volume=moved)
-
-
-def _in_linear_light(look: Look) -> Look:
-    """Look whose colours, chosen on a display as they are, have become reflectances.
-
-    The picture is encoded for the display at its end, which gives the colours back.
-    """
-    transfer, volume = look.transfer, look.volume
-    if volume.colours is not None and volume.colours.dtype == np.uint8:
-        linear = srgb_decode(volume.colours.astype(np.float32) / 255)
-        return look._replace(volume=Volume(volume.values, volume.index_to_world, linear))
-    if transfer.table is not None:
-        rgba = np.dstack([srgb_decode(transfer.table.rgba[..., :3]), transfer.table.rgba[..., 3]])
-        return look._replace(transfer=replace(transfer, table=replace(transfer.table, rgba=rgba)))
-    assert transfer.colour is not None
-    return look._replace(transfer=replace(transfer, colour=linear_colours(transfer.colour)))
-
-
-def linear_colours(curve: ColourCurve) -> ColourCurve:
-    """Colour curve in linear light of one in sRGB: its nodes, with more between them if few."""
-    nodes = [np.array(node) for node in curve.nodes]
-    parts = max(1, COLOURS // len(nodes))
-    rows = [nodes[0][:4]]
-    for one, other in itertools.pairwise(nodes):
-        if parts > 1 and other[0] > one[0]:
-            x = np.linspace(one[0], other[0], parts + 1)[1:-1]
-            rows.extend(np.column_stack([x, curve(x)]))
-        rows.append(other[:4])
-    table = np.array(rows)
-    table[:, 1:] = srgb_decode(table[:, 1:])
-    return ColourCurve(tuple(map(tuple, table.tolist())), curve.clamp)

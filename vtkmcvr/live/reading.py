@@ -16,11 +16,11 @@ from ..receivers import MeshReceiver
 from ..scene import Scene
 from ..vtk_mesh import mesh_of
 from ..vtk_property import phase_of
+from ..vtk_props import identity
 from ..vtk_scene import camera_of, matrix_of
 from .film_place import Place
 from .lighting import Environment, lights_key, scene_lights
 from .looks import VolumeLooks, volume_key
-from .props import identity
 from .settings import LiveSettings
 
 # Each ray belongs to one pixel, as a sample of VTK's multisampling does

@@ -8,6 +8,7 @@ from typing import Any
 
 from .. import checks
 from ..camera import Lens
+from ..display import EXPOSURE, SHADED_EXPOSURE
 from ..emission_absorption import EmissionAbsorption
 from ..lights import Light
 from ..noiseless import TECHNIQUES as NOISELESS
@@ -19,7 +20,6 @@ TECHNIQUES = ("monte-carlo", *NOISELESS)
 LIGHTING = ("scene", "studio")
 MESHES = ("drawn", "traced")
 SAMPLES = 256
-EXPOSURE, SHADED_EXPOSURE = 2.5, 1.5
 
 
 @dataclass(frozen=True, eq=False)

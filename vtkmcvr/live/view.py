@@ -12,12 +12,12 @@ from vtkmodules.vtkRenderingCore import vtkProp, vtkRenderer
 from ..backdrop import Backdrop
 from ..plan import Plan, plan
 from ..scene import Scene
+from ..vtk_props import is_plain_surface, opaque_props, volumes_of
 from .corner import CornerText
 from .depths import CENTRE, SPREAD, DepthPass, edges_of, together
 from .film_place import Place, place_of
 from .job import Estimate, Job, NoiselessJob, is_compiled
 from .preview import Preview
-from .props import is_plain_surface, opaque_props, volumes_of
 from .quad import PictureQuad
 from .reading import SceneReader, scene_key
 from .refiner import Refiner

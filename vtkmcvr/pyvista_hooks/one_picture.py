@@ -15,7 +15,6 @@ from ..camera import PixelFilter
 from ..front import TECHNIQUES
 from ..lights import Light
 from ..live import LiveSettings
-from ..live.props import volumes_of
 from ..live.reading import SceneReader
 from ..noiseless import render_noiseless
 from ..noiseless_picture import NoiselessPicture
@@ -23,6 +22,7 @@ from ..picture import Display, Picture
 from ..rendering import render_scene
 from ..scene import Scene
 from ..vtk_lights import light_of
+from ..vtk_props import volumes_of
 
 KITS = ("light kit", "three lights", "none")
 STOPS = ("samples", "nrms", "seconds")

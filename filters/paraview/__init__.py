@@ -1,0 +1,1 @@
+"""What ParaView needs around the filters; the plugin itself is `plugin/vtkmcvr_plugin.py`."""
