@@ -8,7 +8,7 @@ from typing import Any
 from vtkmodules.vtkCommonDataModel import vtkImageData
 
 from vtkmcvr import checks
-from vtkmcvr.occlusion import OcclusionPicture
+from vtkmcvr.noiseless_picture import NoiselessPicture
 from vtkmcvr.picture import Picture
 from vtkmcvr.plan import Plan
 from vtkmcvr.scene import Scene
@@ -37,12 +37,12 @@ class PictureFilter(SceneFilter):
     )  # fmt: skip
 
     def __init__(self, **settings: Any) -> None:
-        self._picture: Picture | OcclusionPicture | None = None
+        self._picture: Picture | NoiselessPicture | None = None
         self._key: tuple[Any, ...] = ()
         super().__init__(**settings)
 
     @property
-    def picture(self) -> Picture | OcclusionPicture | None:
+    def picture(self) -> Picture | NoiselessPicture | None:
         """The last picture, or None."""
         return self._picture
 
@@ -51,7 +51,7 @@ class PictureFilter(SceneFilter):
         """What the last picture simulated, with reasons, or None."""
         return None if self._picture is None else self._picture.plan
 
-    def render(self, scene: Scene) -> Picture | OcclusionPicture:
+    def render(self, scene: Scene) -> Picture | NoiselessPicture:
         """Return the picture of a scene; implemented by subclasses."""
         raise NotImplementedError
 

@@ -9,6 +9,7 @@ from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkImageData
 
 from vtkmcvr import checks
 from vtkmcvr.display import to_rgba8
+from vtkmcvr.screen import CURVES
 from vtkmcvr.vtk_scene import array_of_image, image_of_arrays
 
 from .base import ImageFilter
@@ -49,6 +50,11 @@ class ToneMapFilter(ImageFilter):
         "Encode by the power 1 / gamma, as in Exposure Render. None: sRGB.",
     )  # fmt: skip
 
+    curve = Parameter(
+        "film", lambda v: checks.choice("curve", v, CURVES),
+        '"film": the tone curve of Exposure Render. "none": light above 1 is cut off, as in VTK.',
+    )  # fmt: skip
+
     def RequestInformation(self, request: Any, inputs: Any, outputs: Any) -> int:
         """Announce 8-bit RGBA; the extent is the input's."""
         info = outputs.GetInformationObject(0)
@@ -65,7 +71,7 @@ class ToneMapFilter(ImageFilter):
             )
         rgba = to_rgba8(
             radiance[..., :3], radiance[..., 3],
-            exposure=self.exposure, background=self.background, gamma=self.gamma,
+            exposure=self.exposure, background=self.background, gamma=self.gamma, curve=self.curve,
         )  # fmt: skip
         shown = image_of_arrays({"rgba": rgba})
         result = vtkImageData()

@@ -32,6 +32,10 @@ _HOME = {
     "write_report": "report",
     "replay": "replaying",
     "read_recipe": "recipe_files",
+    "EmissionAbsorption": "emission_absorption",
+    "EmissionAbsorptionPicture": "emission_absorption",
+    "render_emission_absorption": "emission_absorption",
+    "Phong": "material",
     "Occlusion": "occlusion",
     "OcclusionPicture": "occlusion",
     "render_occlusion": "occlusion",
@@ -101,6 +105,11 @@ if TYPE_CHECKING:
     from .curves import ColourCurve, Curve
     from .cutting import Box, Cropping, Plane, Sphere
     from .denoised_picture import DenoisedPicture
+    from .emission_absorption import (
+        EmissionAbsorption,
+        EmissionAbsorptionPicture,
+        render_emission_absorption,
+    )
     from .environment_files import read_environment
     from .focus import autofocus
     from .front import render, scene_of
@@ -125,6 +134,7 @@ if TYPE_CHECKING:
         with_power,
         with_vtk_intensity,
     )
+    from .material import Phong
     from .occlusion import Occlusion, OcclusionPicture, render_occlusion
     from .phantom import head_phantom
     from .picture import Display, Picture

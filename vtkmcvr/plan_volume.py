@@ -14,7 +14,7 @@ from .pack import f32, matrix64, vector64
 from .plan_cutting import pack_cuts
 from .plan_labels import constant_shape, rows_of, stacked_tables
 from .plan_medium import NOWHERE, pack_medium
-from .plan_surface import pack_surface
+from .plan_surface import pack_phong, pack_surface
 from .plan_transfer import pack_transfer, transfer_effects
 from .scene import Scene
 from .tables import Tables, varying
@@ -37,6 +37,7 @@ class PackedVolume:
     tables: Tables
     effects: tuple[Effect, ...]
     index_to_world: NDArray[np.float64]
+    phong: packed.Phong | None = None
 
     @property
     def empty(self) -> bool:
@@ -70,8 +71,9 @@ def pack_volume(scene: Scene) -> PackedVolume:
         Effect("specular coat", gloss is not None, gloss_why),
     )
     return PackedVolume(
-        medium, transfer, surface, gloss, voxels, tables, effects, scene.volume.index_to_world
-    )
+        medium, transfer, surface, gloss, voxels, tables, effects, scene.volume.index_to_world,
+        pack_phong(scene.surface),
+    )  # fmt: skip
 
 
 def pack_layers(scene: Scene) -> tuple[list[PackedVolume], Effect]:

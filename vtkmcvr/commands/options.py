@@ -8,7 +8,7 @@ from typing import Any
 from .camera_options import add_camera_options
 from .cutting import add_cutting_options
 from .inputs import add_input_options
-from .occlusion_options import add_occlusion_options
+from .technique_options import add_technique_options
 from .transport_options import add_display_options, add_transport_options
 
 MEASURED = "measured"
@@ -52,7 +52,7 @@ def add_render_options(parser: argparse.ArgumentParser) -> None:
     """Everything that decides a picture."""
     add_scene_options(parser, all_times=True)
     add = parser.add_argument
-    add_occlusion_options(parser)
+    add_technique_options(parser)
     add("--samples", type=int, help="samples per pixel, default 64")
     add("--seconds", type=float, help="time to render; the first limit that is met ends the render")
     add("--nrms", type=float, help="error to reach, such as 0.02")

@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING, Any
 from .. import __version__
 from ..memory import peak_memory
 from .inputs import read_as_asked
-from .occlusion_options import occlusion_options
 from .options import MEASURED, add_render_options
 from .scenes import demo_volume, flipped, scene_options
+from .technique_options import technique_options
 from .terminal import Bar, Interrupt, say_to, write_json
 from .transport_options import displayed
 
 if TYPE_CHECKING:
     from ..effects import EffectCost
-    from ..occlusion import OcclusionPicture
+    from ..noiseless_picture import NoiselessPicture
     from ..picture import Picture
     from ..scene import Scene
 
@@ -105,7 +105,7 @@ def make_picture(data: Any, args: argparse.Namespace, *, explain: bool = False) 
 
 def picture_of(
     data: Any, args: argparse.Namespace, like: Scene | None = None
-) -> Picture | OcclusionPicture:
+) -> Picture | NoiselessPicture:
     """Render as the arguments say, with transfer function, camera and lights of `like`."""
     from ..front import BACKDROP, render
 
@@ -120,7 +120,7 @@ def picture_of(
             data, samples=args.samples, seconds=args.seconds, nrms=args.nrms,
             adaptive=args.adaptive, seed=args.seed, threads=args.threads, backend=args.backend,
             exposure=args.exposure, background=background, progress=bar, abort=stop.is_set,
-            **occlusion_options(args), **options,
+            **technique_options(args), **options,
         )  # fmt: skip
     picture = displayed(picture, args)
     return picture.denoised(args.denoise) if args.denoise else picture
@@ -151,7 +151,7 @@ def _measured(picture: Picture, args: argparse.Namespace) -> list[EffectCost]:
     return effect_costs(picture.plan.scene, seconds, args.threads)
 
 
-def picture_facts(picture: Picture | OcclusionPicture) -> dict[str, Any]:
+def picture_facts(picture: Picture | NoiselessPicture) -> dict[str, Any]:
     """What was measured, ready for JSON."""
     return {
         **picture.facts(),
@@ -168,10 +168,10 @@ def _memory() -> str:
     return "" if peak is None else f"; {peak / 2**20:.0f} MiB of memory at most"
 
 
-def _cost(picture: Picture | OcclusionPicture) -> str:
-    from ..occlusion import OcclusionPicture
+def _cost(picture: Picture | NoiselessPicture) -> str:
+    from ..noiseless_picture import NoiselessPicture
 
-    if isinstance(picture, OcclusionPicture):
+    if isinstance(picture, NoiselessPicture):
         return str(picture)
     width, height = picture.size
     adaptive = "adaptive " if picture.density is not None else ""
