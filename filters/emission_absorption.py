@@ -18,12 +18,13 @@ from .picture_filter import PictureFilter
 class EmissionAbsorptionFilter(PictureFilter):
     """Renders a volume by emission and absorption: what VTK's own volume mappers show.
 
-    Input: vtkImageData. Output: vtkImageData of the film's size with the float32 point arrays
-    "radiance" (active; the colours of the transfer function, composited as they are and
-    premultiplied by alpha, and alpha), "depth" (world units, inf beside the volume) and, where
-    `aovs` asks for them, "albedo" and "normal": the same as a `MonteCarloFilter`'s. With shading
-    on, a lamp at the eye shades by the property's ambient, diffuse, specular and specular power;
-    lights and lens do not count. `ToneMapFilter(curve="none", gamma=1.0)` shows it as VTK would.
+    Inputs: volumes as in `SceneFilter`, no meshes. Output 0: vtkImageData of the film's size with
+    the float32 point arrays "radiance" (active; the colours of the transfer function, composited as
+    they are and premultiplied by alpha, and alpha), "depth" (world units, inf beside the volume)
+    and, where `aovs` asks for them, "albedo" and "normal": the same as a `MonteCarloFilter`'s.
+    With shading on, a lamp at the eye shades by the property's ambient, diffuse, specular and
+    specular power; lights and lens do not count. `ToneMapFilter(curve="none", gamma=1.0)` shows it
+    as VTK would. Output 1: a vtkTable, see `statistics.table_of_picture`.
 
     Parameters
     ----------
@@ -36,6 +37,10 @@ class EmissionAbsorptionFilter(PictureFilter):
         EmissionAbsorption(), one_of("emission_absorption", EmissionAbsorption),
         "vtkmcvr.EmissionAbsorption: steps, rays and shading.",
     )  # fmt: skip
+
+    takes_meshes = False
+    # Composited as they are
+    renderer_colours = "linear"
 
     def settings(self) -> tuple[Any, ...]:
         """Return what decides the picture beside the scene."""

@@ -12,11 +12,11 @@ from vtkmodules.vtkCommonCore import (
 )
 from vtkmodules.vtkCommonDataModel import vtkTable
 
-from vtkmcvr.occlusion import OcclusionPicture
+from vtkmcvr.noiseless_picture import NoiselessPicture
 from vtkmcvr.picture import Picture
 
 
-def table_of_picture(picture: Picture | OcclusionPicture) -> vtkTable:
+def table_of_picture(picture: Picture | NoiselessPicture) -> vtkTable:
     """Table of one row.
 
     Columns: "samples", "seconds", "nrms" (NaN where unknown), "paths_per_second", "stopped_by",
