@@ -6,9 +6,11 @@ RUN := $(VENV)/bin/python -m
 TREE := build/lint
 # Compiling kernels takes one core; tests of two files run at once
 WORKERS ?= 2
+TIMINGS := tests/bench/test_benchmarks.py --benchmark-storage=tests/bench/baselines \
+	--benchmark-columns=min,median,rounds -W default
 INSTALL := $(RUN) pip install --quiet --disable-pip-version-check
 
-.PHONY: demo test slow sanitize numerics lint bench accuracy speed gpu paraview vtk92 clean
+.PHONY: demo test slow sanitize numerics lint bench bench-compare bench-baseline accuracy speed gpu paraview vtk92 clean
 
 $(VENV)/installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -54,10 +56,22 @@ lint: $(VENV)/installed-lint
 	cd $(TREE) && PYTHONPATH=. $(CURDIR)/$(VENV)/bin/lint-imports --config $(CURDIR)/pyproject.toml
 	cd $(TREE) && $(CURDIR)/$(VENV)/bin/mypy --config-file $(CURDIR)/pyproject.toml
 
-# Camera paths per second beside Mitsuba, in one run
+# Beside Mitsuba, VTK's own mappers and the bare look-ups, in one run; volumes from VTKMCVR_DATA
 bench: $(VENV)/installed-test
 	$(INSTALL) --editable ".[peers]"
 	$(VENV)/bin/python tests/bench/bench_mitsuba.py
+	$(VENV)/bin/python tests/bench/bench_vtk.py
+	$(VENV)/bin/python tests/bench/bench_floor.py
+
+# Timings beside those of the baseline; fails where one takes a quarter longer
+bench-compare: $(VENV)/installed-test
+	$(INSTALL) --editable ".[bench]"
+	$(RUN) pytest -m bench $(TIMINGS) --benchmark-compare --benchmark-compare-fail=min:25%
+
+# The baseline of this machine
+bench-baseline: $(VENV)/installed-test
+	$(INSTALL) --editable ".[bench]"
+	$(RUN) pytest -m bench $(TIMINGS) --benchmark-save=baseline
 
 # All checks that take a CUDA device, within ten minutes; says so where there is none
 gpu: $(VENV)/installed-test

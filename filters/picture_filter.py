@@ -7,7 +7,7 @@ from typing import Any
 from vtkmodules.vtkCommonDataModel import vtkImageData, vtkTable
 
 from vtkmcvr import checks
-from vtkmcvr.occlusion import OcclusionPicture
+from vtkmcvr.noiseless_picture import NoiselessPicture
 from vtkmcvr.picture import Picture
 from vtkmcvr.plan import Plan
 from vtkmcvr.scene import Scene
@@ -39,12 +39,12 @@ class PictureFilter(SceneFilter):
     )  # fmt: skip
 
     def __init__(self, **settings: Any) -> None:
-        self._picture: Picture | OcclusionPicture | None = None
+        self._picture: Picture | NoiselessPicture | None = None
         self._key: tuple[Any, ...] = ()
         super().__init__(**settings)
 
     @property
-    def picture(self) -> Picture | OcclusionPicture | None:
+    def picture(self) -> Picture | NoiselessPicture | None:
         """The last picture, or None."""
         return self._picture
 
@@ -53,11 +53,11 @@ class PictureFilter(SceneFilter):
         """What the last picture simulated, with reasons, or None."""
         return None if self._picture is None else self._picture.plan
 
-    def render(self, scene: Scene) -> Picture | OcclusionPicture:
+    def render(self, scene: Scene) -> Picture | NoiselessPicture:
         """Return the picture of a scene; implemented by subclasses."""
         raise NotImplementedError
 
-    def refined(self, picture: Any) -> Picture | OcclusionPicture | None:
+    def refined(self, picture: Any) -> Picture | NoiselessPicture | None:
         """Return a picture of the same scene made better; None where it has to be made anew.
 
         Called where the scene is unchanged, and `settings` are not or the picture was aborted. The
@@ -75,7 +75,7 @@ class PictureFilter(SceneFilter):
         vtkImageData.GetData(outputs, 0).ShallowCopy(image_of_picture(picture))
         vtkTable.GetData(outputs, 1).ShallowCopy(table_of_picture(picture))
 
-    def _up_to_date(self, scene: Scene) -> Picture | OcclusionPicture:
+    def _up_to_date(self, scene: Scene) -> Picture | NoiselessPicture:
         key = (value_of(scene), self.settings())
         picture = self._picture
         if picture is not None and picture.stopped_by != "user" and key == self._key:

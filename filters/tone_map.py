@@ -10,6 +10,7 @@ from vtkmodules.vtkRenderingCore import vtkRenderer
 
 from vtkmcvr import checks
 from vtkmcvr.display import EXPOSURE, SHADED_EXPOSURE, to_rgba8
+from vtkmcvr.screen import CURVES
 from vtkmcvr.vtk_background import background_of
 from vtkmcvr.vtk_props import volumes_of
 from vtkmcvr.vtk_scene import array_of_image, image_of_arrays
@@ -56,6 +57,11 @@ class ToneMapFilter(ImageFilter):
         "Encode by the power 1 / gamma, as in Exposure Render. None: sRGB.",
     )  # fmt: skip
 
+    curve = Parameter(
+        "film", lambda v: checks.choice("curve", v, CURVES),
+        '"film": the tone curve of Exposure Render. "none": light above 1 is cut off, as in VTK.',
+    )  # fmt: skip
+
     @classmethod
     def from_renderer(cls, renderer: vtkRenderer, **settings: Any) -> Self:
         """Filter with a renderer's background, and the exposure at which VTK is about as bright.
@@ -87,6 +93,7 @@ class ToneMapFilter(ImageFilter):
         rgba = to_rgba8(
             radiance[..., :3], radiance[..., 3],
             exposure=self.exposure, background=self._behind(*radiance.shape[:2]), gamma=self.gamma,
+            curve=self.curve,
         )  # fmt: skip
         shown = image_of_arrays({"rgba": rgba})
         result = vtkImageData()

@@ -7,18 +7,22 @@ import json
 import math
 import shutil
 import subprocess
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from scenes import blob, frontal, medium, render, scene, slab
+from scenes import blob, everything, frontal, medium, render, scene, slab
 
+from vtkmcvr import ColourCurve, Curve, Labels, Layer, Lens, Plane, PlaneReceiver, Surface
+from vtkmcvr.cli import main
 from vtkmcvr.costs import stored, summary
-from vtkmcvr.costs.effects import effect_costs
+from vtkmcvr.costs.effects import SWITCHES, _without, effect_costs
 from vtkmcvr.costs.families import LIGHTS, NUMBERS, RADII, apertures, families
 from vtkmcvr.costs.figures import pareto
 from vtkmcvr.costs.ladder import Reference, climb, make_reference
 from vtkmcvr.costs.study import fingerprint, study
 from vtkmcvr.costs.variants import BIAS, MODEL, SAME, variants
+from vtkmcvr.effects import TOGETHER
 from vtkmcvr.lights import ConstantEnvironment, irradiance_at
 from vtkmcvr.occlusion import Occlusion
 from vtkmcvr.picture_files import write_png
@@ -383,7 +387,8 @@ def test_error_map_is_dark_where_the_error_is_small():
     shown = error_map(picture).astype(int).sum(-1)
     assert shown.shape == (24, 32)
     error = picture.standard_error.mean(-1)
-    assert shown[error > np.quantile(error, 0.9)].mean() > shown[error == 0].mean() + 100
+    dark = error <= np.quantile(error, 0.1)
+    assert shown[error > np.quantile(error, 0.9)].mean() > shown[dark].mean() + 100
 
 
 def test_report_with_another_suffix_is_refused(tmp_path):
@@ -410,3 +415,56 @@ def test_report_shows_both_pictures_in_a_browser(tmp_path):
     # The error map's warm colours and the ball's grey on a light or dark page
     warm = (seen[..., 0] - seen[..., 2] > 60).sum()
     assert warm > 1000
+
+
+def test_plan_explains_what_each_effect_costs():
+    dressed = small()
+    costs = effect_costs(dressed, 0.1, 1)
+    assert [cost.saved for cost in costs] == sorted(cost.saved for cost in costs)
+    shadows = next(cost for cost in costs if cost.name == "no shadows")
+    text = plan(dressed).explain(costs)
+    line = next(x for x in text.splitlines() if x.startswith("shadows"))
+    assert f"{shadows.saved:+.0%}" in line and f"{shadows.change:.1%}" in line
+    assert "time" in text.splitlines()[0] and "picture" in text.splitlines()[0]
+    # Nothing is said of what was not measured
+    medium_line = next(x for x in text.splitlines() if x.startswith("medium"))
+    assert "%" not in medium_line.partition("tracking")[0]
+
+
+def test_each_switch_turns_off_what_it_says():
+    glow = replace(medium(3.0, 0.5), emission=ColourCurve([(0, 1, 1, 1)]))
+    steep = replace(medium(3.0), gradient_opacity=Curve([(0, 0.5), (1, 1)]))
+    rich = everything(
+        surface=Surface(specular=0.3), transfer=glow, clip=(Plane((0, 0, 0), (1, 0, 0)),),
+        camera=Camera((0, -5, 0), (0, 0, 0), lens=Lens(0.1)),
+        receivers=(PlaneReceiver((0, 0, -1), (0, 0, 1), (4, 4)),),
+        layers=(Layer(blob(9), medium(1.0)),),
+        labels=Labels(np.arange(17**3).reshape(17, 17, 17) % 2, {1: medium(5.0)}),
+    )  # fmt: skip
+    seen = set()
+    for whole in (rich, small(scattering="multiple", aovs=("albedo",), transfer=steep)):
+        before = {effect.name for effect in plan(whole).effects if effect.on}
+        for name, without in _without(whole):
+            after = {effect.name for effect in plan(without).effects if effect.on}
+            switched = set(TOGETHER.get(SWITCHES[name], (SWITCHES[name],)))
+            assert switched & before, name
+            assert not switched & after, name
+            seen.add(name)
+    assert seen == set(SWITCHES)
+
+
+def demo(tmp_path, *options):
+    size = ["--size", "16x12", "--samples", "1", "-o", str(tmp_path / "p.png")]
+    return main(["demo", *size, *options])
+
+
+@pytest.mark.slow
+def test_command_explains_and_measures(tmp_path, capsys):
+    assert demo(tmp_path, "--explain", "measured") == 0
+    line = next(x for x in capsys.readouterr().out.splitlines() if x.startswith("shadows"))
+    assert line.count("%") == 2
+
+
+def test_command_measures_no_occlusion(tmp_path, capsys):
+    assert demo(tmp_path, "--explain", "measured", "--technique", "occlusion") == 2
+    assert "not for --technique occlusion" in capsys.readouterr().err

@@ -107,8 +107,33 @@ def test_effects_of_no_consequence_are_off(changes, part, name, reason):
     assert reason in effect.reason
 
 
+@pytest.mark.parametrize(
+    ("changes", "part", "name"),
+    [
+        ({"surface": Surface()}, "surface", "surface shading"),
+        ({"surface": Surface()}, "gloss", "specular coat"),
+        ({"phase": HenyeyGreenstein(0.5)}, "phase", "anisotropic phase"),
+        ({"scattering": "multiple"}, "scattering", "multiple scattering"),
+    ],
+)
+def test_what_reflects_is_left_out_where_nothing_shines(changes, part, name):
+    dark, lit = plan(scene(**changes)), plan(scene(lights=SKY, **changes))
+    assert getattr(dark.packed, part) is None
+    assert "no light to reflect" in effects(dark)[name].reason
+    assert getattr(lit.packed, part) is not None
+    # The volumes of the one plan serve the other
+    again = plan(lit.scene, like=dark)
+    assert getattr(again.packed, part) is not None
+
+
+def test_normals_of_the_dark_are_kept():
+    planned = plan(scene(surface=Surface(), aovs=("normal",)))
+    assert planned.packed.surface is not None
+    assert planned.packed.gloss is None
+
+
 def test_constant_volume_has_no_surfaces():
-    planned = plan(scene(slab(), surface=Surface(mode="brdf")))
+    planned = plan(scene(slab(), surface=Surface(mode="brdf"), lights=SKY))
     assert planned.packed.surface is None
     assert "constant" in effects(planned)["surface shading"].reason
 
@@ -123,7 +148,7 @@ def test_reasons_name_quantities():
         )
     )  # fmt: skip
     text = planned.explain()
-    assert "within 60 degrees" in plan(scene(phase=Cone(60))).explain()
+    assert "within 60 degrees" in plan(scene(phase=Cone(60), lights=SKY)).explain()
     for words in ("0.25", "0.7", "exponent 12", "g = 0.4", "1 rectangle", "2, one shadow ray",
                   "ratio tracking, up to 3.5", "power heuristic", "miss the volume"):  # fmt: skip
         assert words in text

@@ -1,16 +1,19 @@
 """Passes, tiles, threads and stop rules: no pixel depends on them."""
 
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from scenes import frontal, medium, noise, render, scene
+from scenes import blob, frontal, medium, noise, render, scene
 
-from vtkmcvr import schedule
-from vtkmcvr.lights import ConstantEnvironment
+from vtkmcvr import Layer, Plane, PlaneReceiver, schedule
+from vtkmcvr.lights import ConstantEnvironment, RectangleLight
 from vtkmcvr.picture import Display
 from vtkmcvr.plan import plan
-from vtkmcvr.rendering import render_scene
+from vtkmcvr.rendering import empty_film, render_scene
+from vtkmcvr.schedule import StopRules
+from vtkmcvr.sight import nothing_seen
 
 LIT = scene(noise(), lights=(ConstantEnvironment(1.0),), size=(61, 47))
 # Takes seconds at the least on any machine
@@ -211,3 +214,49 @@ def test_empty_scene_returns_at_once():
     assert time.perf_counter() - start < 2
     assert not picture.alpha.any()
     assert picture.nrms == 0
+
+
+BLANK = {
+    "transparent": scene(transfer=medium(0.0), lights=(ConstantEnvironment(),)),
+    "transparent, with a second one": scene(
+        transfer=medium(0.0), layers=(Layer(blob(), medium(0.0)),), aovs=("albedo",)
+    ),
+    "cut off": scene(clip=(Plane((9, 0, 0), (1, 0, 0)),), sampler="independent"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", BLANK)
+def test_transparent_view_returns_at_once_with_the_film_of_a_long_run(name):
+    planned = plan(replace(BLANK[name], size=(400, 300)))
+    film = empty_film(planned)
+    seen = []
+    start = time.perf_counter()
+    rules = StopRules(10**9, None, None)
+    assert schedule.run(planned.packed, film, rules, 1, 2, seen.append) == ("samples", 0.0)
+    assert time.perf_counter() - start < 0.5
+    assert [progress.fraction for progress in seen] == [1.0]
+    assert (film.count == 10**9).all()
+    for part in (film.mean, film.m2, film.hits, film.rejected):
+        assert not part.any()
+
+
+def test_transparent_view_without_a_number_of_samples_ends_dark():
+    picture = render_scene(BLANK["transparent"], seconds=100.0, adaptive=True)
+    assert picture.stopped_by == "dark"
+    assert picture.seconds < 1
+    assert (picture.alpha == 0).all()
+    again = picture.refine(samples=64)
+    assert (again.samples, again.stopped_by) == (64, "samples")
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"lights": (ConstantEnvironment(),), "environment_visible": True},
+        {"lights": (RectangleLight((0, 3, 0), (0, 0, 0), (1, 1), visible=True),)},
+        {"receivers": (PlaneReceiver((0, 0, -1), (0, 0, 1), (4, 4)),)},
+        {"layers": (Layer(blob(), medium(3.0)),)},
+    ],
+)
+def test_what_is_seen_beside_a_transparent_volume_is_traced(changes):
+    assert not nothing_seen(plan(scene(transfer=medium(0.0), **changes)).packed)

@@ -26,9 +26,16 @@ _HOME = {
     "render_scene": "rendering",
     "estimate": "prediction",
     "study": "costs.study",
+    "count_work": "work.count",
+    "effect_costs": "costs.effects",
+    "warm_up": "warming",
     "write_report": "report",
     "replay": "replaying",
     "read_recipe": "recipe_files",
+    "EmissionAbsorption": "emission_absorption",
+    "EmissionAbsorptionPicture": "emission_absorption",
+    "render_emission_absorption": "emission_absorption",
+    "Phong": "material",
     "Occlusion": "occlusion",
     "OcclusionPicture": "occlusion",
     "render_occlusion": "occlusion",
@@ -93,10 +100,16 @@ _HOME = {
 __all__ = ["__version__", *_HOME]
 
 if TYPE_CHECKING:
+    from .costs.effects import effect_costs
     from .costs.study import study
     from .curves import ColourCurve, Curve
     from .cutting import Box, Cropping, Plane, Sphere
     from .denoised_picture import DenoisedPicture
+    from .emission_absorption import (
+        EmissionAbsorption,
+        EmissionAbsorptionPicture,
+        render_emission_absorption,
+    )
     from .environment_files import read_environment
     from .focus import autofocus
     from .front import render, scene_of
@@ -121,6 +134,7 @@ if TYPE_CHECKING:
         with_power,
         with_vtk_intensity,
     )
+    from .material import Phong
     from .occlusion import Occlusion, OcclusionPicture, render_occlusion
     from .phantom import head_phantom
     from .picture import Display, Picture
@@ -152,6 +166,8 @@ if TYPE_CHECKING:
     from .segmentation import Segmentation
     from .studio import view_camera
     from .vtk_look import look_of_property, property_of_look
+    from .warming import warm_up
+    from .work.count import count_work
 
 
 def __getattr__(name: str) -> Any:

@@ -15,6 +15,7 @@ from .adaptive import Density
 from .gpu.available import missing
 from .gpu.errors import CudaError, CudaUnavailable
 from .schedule import Progress, StopRules
+from .sight import nothing_seen
 
 logger = logging.getLogger("vtkmcvr")
 
@@ -74,7 +75,9 @@ def run(
         Where "cuda" was asked for by name and cannot be used, or fails.
     """
     note = ""
-    if checked(backend) != "cpu":
+    if checked(backend) == "auto" and nothing_seen(scene):
+        backend = "cpu"
+    if backend != "cpu":
         absent = missing()
         if absent is None:
             try:

@@ -55,6 +55,20 @@ def tone_map(radiance: ArrayLike, exposure: float = 0.0) -> Floats:
         return -np.expm1(scaled * -(2.0 ** (exposure % 1.0)))
 
 
+def cut_off(radiance: ArrayLike, exposure: float = 0.0) -> Floats:
+    """Return radiance * 2**exposure in [0, 1], without a tone curve; else as `tone_map`."""
+    light = _finite("radiance", radiance)
+    if not math.isfinite(exposure):
+        raise ValueError(f"exposure must be a finite number of stops, got {exposure}")
+    with np.errstate(over="ignore", under="ignore"):
+        # Cut off before and after, so that no infinity times zero comes in between
+        scale = light.dtype.type(2.0 ** min(max(exposure, -126.0), 126.0))
+        return np.clip(np.maximum(light, 0) * scale, 0, 1)
+
+
+CURVES = {"film": tone_map, "none": cut_off}
+
+
 def srgb_encode(linear: ArrayLike) -> Floats:
     """Encode linear light for an sRGB display (IEC 61966-2-1, exact in both pieces).
 
@@ -120,6 +134,7 @@ def to_rgba8(
     exposure: float = 0.0,
     background: ArrayLike | None = None,
     gamma: float | None = None,
+    curve: str = "film",
 ) -> NDArray[np.uint8]:
     """Make the 8-bit picture of a film.
 
@@ -141,6 +156,8 @@ def to_rgba8(
         nothing is covered.
     gamma : float, optional
         See `encode`.
+    curve : {"film", "none"}
+        `tone_map`, or only the exposure, cut off at 1.
 
     Returns
     -------
@@ -153,7 +170,7 @@ def to_rgba8(
         Where shapes do not fit, or radiance, alpha, exposure or background are not finite or,
         for the background, outside 0..1.
     """
-    return _rounded(_shown(radiance, alpha, exposure, background, gamma), np.uint8)
+    return _rounded(_shown(radiance, alpha, exposure, background, gamma, curve), np.uint8)
 
 
 def to_rgba16(
@@ -163,9 +180,10 @@ def to_rgba16(
     exposure: float = 0.0,
     background: ArrayLike | None = None,
     gamma: float | None = None,
+    curve: str = "film",
 ) -> NDArray[np.uint16]:
     """Make the 16-bit picture of a film: as `to_rgba8`, white and opaque are 65535."""
-    return _rounded(_shown(radiance, alpha, exposure, background, gamma), np.uint16)
+    return _rounded(_shown(radiance, alpha, exposure, background, gamma, curve), np.uint16)
 
 
 def _shown(
@@ -174,12 +192,13 @@ def _shown(
     exposure: float,
     background: ArrayLike | None,
     gamma: float | None,
+    curve: str,
 ) -> Floats:
     light = _finite("radiance", radiance)
     if light.ndim != 3 or light.shape[2] != 3:
         raise ValueError(f"radiance must be (rows, columns, 3), got shape {light.shape}")
     coverage = _coverage(alpha, light)
-    colour = tone_map(_straight(light, coverage), exposure)
+    colour = CURVES[curve](_straight(light, coverage), exposure)
     if background is not None:
         behind = decode(_background(background, light.shape), gamma).astype(light.dtype)
         colour = colour * coverage + (1 - coverage) * behind

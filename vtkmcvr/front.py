@@ -9,8 +9,11 @@ from typing import Any
 import numpy as np
 
 from . import __version__, backends, checks
+from .emission_absorption import EmissionAbsorption, EmissionAbsorptionPicture
 from .lights import Light
-from .occlusion import Occlusion, OcclusionPicture, render_occlusion
+from .noiseless import TECHNIQUES as NOISELESS
+from .noiseless import check_settings, render_noiseless
+from .occlusion import Occlusion, OcclusionPicture
 from .picture import Display, Picture
 from .presets import Dressed, Look, dress
 from .presets.fit import look_of
@@ -26,7 +29,7 @@ from .studio import View, view_camera
 from .volume_info import modality, segments, units
 from .vtk_single import single_volume
 
-TECHNIQUES = ("monte-carlo", "occlusion")
+TECHNIQUES = ("monte-carlo", *NOISELESS)
 # sRGB colour behind presets
 BACKDROP = (0.07, 0.08, 0.10)
 
@@ -142,6 +145,7 @@ def render(
     *,
     technique: str = "monte-carlo",
     occlusion: Occlusion | None = None,
+    emission_absorption: EmissionAbsorption | None = None,
     samples: int | None = None,
     seconds: float | None = None,
     nrms: float | None = None,
@@ -154,16 +158,19 @@ def render(
     progress: Callable[[Progress], object] | None = None,
     abort: Callable[[], bool] | None = None,
     **scene: Any,
-) -> Picture | OcclusionPicture:
+) -> Picture | OcclusionPicture | EmissionAbsorptionPicture:
     """Render a volume.
 
     Parameters
     ----------
     data : vtkImageData, pyvista.ImageData, Volume or Scene
-    technique : {"monte-carlo", "occlusion"}
-        Light transport, or directional occlusion shading: quick, without noise, biased.
+    technique : {"monte-carlo", "occlusion", "emission-absorption"}
+        Light transport; directional occlusion shading: quick, without noise, biased; emission and
+        absorption: what VTK's own volume mappers show, with no light but a lamp at the eye.
     occlusion : Occlusion, optional
         Cone, mode and accuracy of technique "occlusion", which takes no samples, seconds or seed.
+    emission_absorption : EmissionAbsorption, optional
+        Steps, rays and shading of technique "emission-absorption"; it takes none of these either.
     samples : int, optional
         Samples per pixel. Default: 64, or unlimited with `seconds` or `nrms`.
     seconds : float, optional
@@ -179,7 +186,7 @@ def render(
     backend : {"auto", "cpu", "cuda"}
         "auto": a CUDA device where there is one and numba-cuda is installed, else the CPU.
     exposure : float, optional
-        Stops. Default: the look's.
+        Stops. Default: the look's; of emission and absorption 0, and colours are shown as they are.
     background : (r, g, b) or None
         sRGB colour behind the volume, or None for a transparent picture.
     progress, abort : callable, optional
@@ -189,7 +196,7 @@ def render(
 
     Returns
     -------
-    Picture or OcclusionPicture
+    Picture, OcclusionPicture or EmissionAbsorptionPicture
 
     Examples
     --------
@@ -202,17 +209,18 @@ def render(
         dressed = Dressed(replace(data, **scene), 0.0, "none", ())
     else:
         dressed = scene_of(data, **scene)
-    display = Display(dressed.exposure if exposure is None else exposure, background)
-    if technique == "occlusion":
-        _check_unused(samples=samples, seconds=seconds, nrms=nrms, adaptive=adaptive or None)
+    check_settings(technique, occlusion=occlusion, emission_absorption=emission_absorption)
+    if technique in NOISELESS:
+        _check_unused(
+            technique, samples=samples, seconds=seconds, nrms=nrms, adaptive=adaptive or None
+        )
         backends.check_unused(backend, technique)
-        result = render_occlusion(
-            dressed.scene, occlusion, threads=threads, display=display, progress=progress,
-            abort=abort,
+        result = render_noiseless(
+            technique, dressed.scene, occlusion or emission_absorption, exposure,
+            dressed.exposure, background, threads=threads, progress=progress, abort=abort,
         )  # fmt: skip
         return replace(result, recipe=_recipe(result, dressed, None, None, None))
-    if occlusion is not None:
-        raise ValueError('occlusion=... needs technique="occlusion"')
+    display = Display(dressed.exposure if exposure is None else exposure, background)
     picture = render_scene(
         dressed.scene, samples=samples, seconds=seconds, nrms=nrms, adaptive=adaptive, seed=seed,
         threads=threads, backend=backend, display=display, progress=progress, abort=abort,
@@ -220,17 +228,23 @@ def render(
     return replace(picture, recipe=_recipe(picture, dressed, samples, seconds, nrms))
 
 
-def _check_unused(**options: float | None) -> None:
+ACCURACY = {
+    "occlusion": "Occlusion(directions=..., detail=...)",
+    "emission-absorption": "EmissionAbsorption(step=..., rays=...)",
+}
+
+
+def _check_unused(technique: str, **options: float | None) -> None:
     for name, value in options.items():
         if value is not None:
             raise ValueError(
-                f"technique occlusion has no {name} (got {value}); its accuracy is set by "
-                "Occlusion(directions=..., detail=...)"
+                f"technique {technique} has no {name} (got {value}); its accuracy is set by "
+                f"{ACCURACY[technique]}"
             )
 
 
 def _recipe(
-    picture: Picture | OcclusionPicture,
+    picture: Picture | OcclusionPicture | EmissionAbsorptionPicture,
     dressed: Dressed,
     samples: int | None,
     seconds: float | None,
@@ -240,7 +254,7 @@ def _recipe(
     volume, camera = dressed.scene.volume, dressed.scene.camera
     return {
         "version": __version__,
-        "technique": "occlusion" if isinstance(picture, OcclusionPicture) else "monte-carlo",
+        "technique": picture.technique,
         "preset": dressed.preset,
         "samples": samples,
         "seconds": seconds,

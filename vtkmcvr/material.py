@@ -148,6 +148,29 @@ def _check_curve(name: str, curve: Curve | None, least: float, most: float) -> N
 
 
 @dataclass(frozen=True)
+class Phong:
+    """Coefficients by which VTK shades volumes, see vtkVolumeProperty.
+
+    Parameters
+    ----------
+    ambient, diffuse, specular : float
+        Shares, >= 0: colour (ambient + diffuse n.l) + specular (r.v)^power, cut off at 1.
+    power : float
+        Exponent of the highlight, 0 to 1e6.
+    """
+
+    ambient: float = 0.1
+    diffuse: float = 0.7
+    specular: float = 0.2
+    power: float = 10.0
+
+    def __post_init__(self) -> None:
+        for name in ("ambient", "diffuse", "specular"):
+            checks.number(name, getattr(self, name), least=0.0)
+        checks.number("power", self.power, least=0.0, most=LARGEST_EXPONENT)
+
+
+@dataclass(frozen=True)
 class Surface:
     """Hybrid scattering: surfaces where the gradient is strong (Exposure Render, Eq. 1, corrected).
 
@@ -174,6 +197,8 @@ class Surface:
         Blinn exponent of the coat, 0 to 1e6.
     coat : {"blinn", "ggx"}
         Distribution of the coat's microfacets; GGX has alpha^2 = 2 / (exponent + 2).
+    phong : Phong, optional
+        VTK's coefficients, by which technique "emission-absorption" shades instead.
     """
 
     gradient_factor: float = 0.5
@@ -183,12 +208,15 @@ class Surface:
     specular: Vector | float = (0.04, 0.04, 0.04)
     exponent: float = 30.0
     coat: str = "blinn"
+    phong: Phong | None = None
 
     def __post_init__(self) -> None:
         checks.number("gradient_factor", self.gradient_factor, least=0.0, most=1.0)
         checks.number("threshold", self.threshold, least=0.0, most=1.0)
         checks.choice("mode", self.mode, SURFACE_MODES)
         checks.choice("coat", self.coat, COATS)
+        if not isinstance(self.phong, Phong | None):
+            raise TypeError(f"phong takes a Phong, got {type(self.phong).__name__}")
         specular = checks.colour("specular", self.specular)
         if max(specular) > 1:
             raise ValueError(f"specular goes from 0 to 1, got {specular}")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -28,3 +30,12 @@ def matrix(m: NDArray) -> packed.Matrix:
 def matrix64(m: NDArray) -> packed.Matrix64:
     """3 x 3, row by row, float64."""
     return vector64(m[0]), vector64(m[1]), vector64(m[2])
+
+
+def structure(part: Any) -> Any:
+    """What kernels are compiled for: which parts are there, and their types."""
+    if isinstance(part, tuple):
+        return type(part).__name__, tuple(map(structure, part))
+    if isinstance(part, np.ndarray):
+        return part.dtype.str, part.ndim
+    return type(part)

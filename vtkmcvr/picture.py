@@ -68,6 +68,8 @@ class Picture:
     backend: str = "cpu"
     device: str = ""
 
+    technique = "monte-carlo"
+
     @property
     def radiance(self) -> NDArray[np.float32]:
         """Linear RGB, (H, W, 3), premultiplied by alpha where the volume covers part of a pixel."""

@@ -4,22 +4,23 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import packed
-from .effects import Effect
+from .effects import Effect, EffectCost, table
 from .pack import f32
 from .phases import Phase
 from .plan_camera import pack_backdrop, pack_camera, pack_lens
 from .plan_lights import pack_lights
-from .plan_phase import pack_phase
-from .plan_receivers import glossy, pack_receivers
+from .plan_receivers import pack_receivers
 from .plan_sampling import pack_sobol, sampling_effect
+from .plan_scatterers import pack_scatterers
 from .plan_surface import pack_normal_map
-from .plan_transport import estimator_words, pack_marching, pack_scattering, scattering_effect
+from .plan_transport import estimator_words, pack_marching
 from .plan_volume import (
     MORE,
     PackedVolume,
@@ -27,7 +28,6 @@ from .plan_volume import (
     pack_layers,
     pack_volume,
     packed_layer,
-    shared_phase,
 )
 from .scene import Scene
 from .tables import DEEPEST_VOLUME, DEEPEST_VOXEL, Tables
@@ -64,11 +64,16 @@ class Plan:
     corners: NDArray[np.float64]
     volumes: tuple[PackedVolume, ...] = ()
 
-    def explain(self) -> str:
-        """Every effect, on or off, with its reason; then the notes."""
-        width = max(len(effect.name) for effect in self.effects)
-        lines = [f"{e.name:<{width}}  {'on ' if e.on else 'off'}  {e.reason}" for e in self.effects]
-        return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
+    def explain(self, costs: Sequence[EffectCost] = ()) -> str:
+        """Every effect, on or off, with its reason; then the notes.
+
+        Parameters
+        ----------
+        costs : sequence of EffectCost, optional
+            From `vtkmcvr.effect_costs(plan.scene)`: adds what leaving an effect out would save, and
+            how much it would change the picture.
+        """
+        return "\n".join([*table(self.effects, costs), *(f"note: {note}" for note in self.notes)])
 
     @property
     def empty(self) -> bool:
@@ -93,22 +98,21 @@ def plan(scene: Scene, like: Plan | None = None) -> Plan:
     packed_volumes = tuple(volumes)
     centre = scene.volume.centre
     receivers, mesh, receiver_effect = pack_receivers(scene.receivers, centre)
-    coated = any(v.gloss is not None for v in volumes) or glossy(receivers)
-    lens, lens_why = pack_lens(scene.camera)
-    backdrop, backdrop_effect = pack_backdrop(scene)
-    volumes, shapes = shared_phase(scene, volumes)
-    first, *others = volumes
-    phase, phase_effect = pack_phase(scene.phase, shapes)
-    scattering, marching = pack_scattering(scene), pack_marching(scene)
     lights = pack_lights(scene)
     lit = lights.any
+    scatterers = pack_scatterers(scene, volumes, receivers, lit)
+    coated = scatterers.coated
+    first, *others = scatterers.volumes
+    lens, lens_why = pack_lens(scene.camera)
+    backdrop, backdrop_effect = pack_backdrop(scene)
     shadows = (
         packed.Shadows(f32(min(scene.shadow_reach, 1e30))) if lit and scene.shadow_reach else None
     )
     ratio = packed.RatioTracking(f32(ROULETTE)) if shadows and scene.ratio_tracking else None
     result = packed.Scene(
         first.medium, first.transfer, pack_camera(scene), lens, first.surface,
-        coat(first.gloss, coated), phase, scattering, marching, shadows, ratio,
+        coat(first.gloss, coated), scatterers.phase, scatterers.scattering, pack_marching(scene),
+        shadows, ratio,
         lights.ambient, lights.environment, lights.area_lights, lights.delta_lights, lights.tree,
         lights.choice,
         np.bool_(scene.environment_visible and bool(lights.ambient or lights.environment)),
@@ -123,8 +127,7 @@ def plan(scene: Scene, like: Plan | None = None) -> Plan:
         *first.effects,
         more_effect,
         receiver_effect,
-        phase_effect,
-        scattering_effect(scattering),
+        *scatterers.effects,
         *lights.effects,
         _shadow_effect(scene, lit, ratio),
         Effect("depth of field", lens is not None, lens_why),

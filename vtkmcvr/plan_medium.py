@@ -79,7 +79,9 @@ def _bound_by_gradient(
 
 def _active_box(majorant: NDArray, cell: int, last: NDArray) -> tuple[NDArray, NDArray]:
     """Index box around all cells with extinction; a far point where there are none."""
-    occupied = np.argwhere(majorant > 0)[:, ::-1]
-    if not len(occupied):
+    occupied = majorant > 0
+    planes = [np.flatnonzero(occupied.any(axis)) for axis in ((0, 1), (0, 2), (1, 2))]
+    if not len(planes[0]):
         return np.full(3, NOWHERE), np.full(3, NOWHERE)
-    return occupied.min(0) * cell, np.minimum((occupied.max(0) + 1) * cell, last)
+    first, final = (np.array([found[end] for found in planes]) for end in (0, -1))
+    return first * cell, np.minimum((final + 1) * cell, last)

@@ -23,6 +23,14 @@ def pack_normal_map(scene: Scene) -> packed.NormalMap | None:
     return packed.NormalMap(matrix(world_from_index_gradient(scene)))
 
 
+def pack_phong(surface: Surface | None) -> packed.Phong | None:
+    """VTK's coefficients, where a surface has them."""
+    if surface is None or surface.phong is None:
+        return None
+    p = surface.phong
+    return packed.Phong(f32(p.ambient), f32(p.diffuse), f32(p.specular), f32(p.power))
+
+
 def pack_surface(
     scene: Scene, voxels: Voxels, tables: Tables
 ) -> tuple[packed.Surface | None, packed.Gloss | None, str, str]:

@@ -13,8 +13,8 @@ from .layers import Layer
 from .pack import f32, matrix64, vector64
 from .plan_cutting import pack_cuts
 from .plan_labels import constant_shape, rows_of, stacked_tables
-from .plan_medium import pack_medium
-from .plan_surface import pack_surface
+from .plan_medium import NOWHERE, pack_medium
+from .plan_surface import pack_phong, pack_surface
 from .plan_transfer import pack_transfer, transfer_effects
 from .scene import Scene
 from .tables import Tables, varying
@@ -37,11 +37,12 @@ class PackedVolume:
     tables: Tables
     effects: tuple[Effect, ...]
     index_to_world: NDArray[np.float64]
+    phong: packed.Phong | None = None
 
     @property
     def empty(self) -> bool:
         """Whether nothing in it can scatter or absorb."""
-        return not bool((self.medium.majorant > 0).any())
+        return bool(self.medium.active_hi[0] <= NOWHERE)
 
     @property
     def corners(self) -> NDArray[np.float64]:
@@ -70,8 +71,9 @@ def pack_volume(scene: Scene) -> PackedVolume:
         Effect("specular coat", gloss is not None, gloss_why),
     )
     return PackedVolume(
-        medium, transfer, surface, gloss, voxels, tables, effects, scene.volume.index_to_world
-    )
+        medium, transfer, surface, gloss, voxels, tables, effects, scene.volume.index_to_world,
+        pack_phong(scene.surface),
+    )  # fmt: skip
 
 
 def pack_layers(scene: Scene) -> tuple[list[PackedVolume], Effect]:

@@ -13,9 +13,9 @@ from . import __version__, backends, checks, schedule
 from .adaptive import Density, level_of
 from .content_hash import content_hash
 from .deserialise import MissingArray, from_plain
-from .occlusion import OcclusionPicture
-from .occlusion.recipe import film_hash as occlusion_hash
-from .occlusion.recipe import render_again
+from .emission_absorption import recipe as emission_absorption
+from .noiseless_picture import NoiselessPicture
+from .occlusion import recipe as occlusion
 from .picture import Display, Picture
 from .plan import Plan, plan
 from .presets.recorded import recorded_arrays
@@ -26,20 +26,25 @@ from .scene import Scene
 from .schedule import Progress, StopRules
 from .volume import Volume
 
+NOISELESS: dict[str, Callable[..., NoiselessPicture]] = {
+    "occlusion": occlusion.render_again,
+    "emission-absorption": emission_absorption.render_again,
+}
+
 
 class Replayed(NamedTuple):
     """Result of `replay`.
 
     Attributes
     ----------
-    picture : Picture or OcclusionPicture
+    picture : Picture or NoiselessPicture
     identical : bool
         Whether the film has the recorded one's bits.
     notes : tuple of str
         Why it may not.
     """
 
-    picture: Picture | OcclusionPicture
+    picture: Picture | NoiselessPicture
     identical: bool
     notes: tuple[str, ...]
 
@@ -59,7 +64,7 @@ def replay(
     Parameters
     ----------
     source : path or dict
-        Picture of either technique that `save` wrote, or its recipe.
+        Picture of any technique that `save` wrote, or its recipe.
     data : vtkImageData, Volume, numpy.ndarray, or a sequence of these
         What the recipe has only hashes of: the volume, labels on its grid, the pixels of an
         environment map. The synthetic head is made anew.
@@ -80,10 +85,11 @@ def replay(
     part = _replay_part(recipe)
     scene = _scene(recipe, part, [_values(item) for item in _items(data)])
     noted = {name: value for name, value in recipe.items() if name not in ("measured", "replay")}
-    if recipe.get("technique") == "occlusion":
+    if recipe.get("technique") in NOISELESS:
+        render_again = NOISELESS[recipe["technique"]]
         again = render_again(scene, part, noted, threads, progress, abort)
         again = again.with_display(_display(part))
-        return Replayed(again, *_verdict(occlusion_hash(again.planes), part))
+        return Replayed(again, *_verdict(occlusion.film_hash(again.planes), part))
     planned = _planned(scene)
     seed = checks.whole("the recipe's seed", part.get("seed"), least=0)
     counts = counts_of(part.get("samples"), planned.scene.size)
@@ -140,7 +146,7 @@ def _replay_part(recipe: dict[str, Any]) -> dict[str, Any]:
     if "impossible" in part:
         raise ValueError(f"this picture cannot be replayed: {part['impossible']}")
     technique = recipe.get("technique", "monte-carlo")
-    if technique not in ("monte-carlo", "occlusion"):
+    if technique not in ("monte-carlo", *NOISELESS):
         raise ValueError(f"pictures of the technique {technique!r} cannot be replayed")
     return part
 

@@ -20,7 +20,7 @@ from .accuracy import image_error
 from .safe_files import replacing
 
 if TYPE_CHECKING:
-    from .costs.effects import EffectCost
+    from .effects import EffectCost
     from .picture import Picture
 
 # Errors relative to the picture's RMS radiance that the error map shows as black and as white

@@ -19,6 +19,7 @@ from . import packed
 from .accuracy import ImageError, image_error, samples_for
 from .adaptive import QUARTERS, Density, goals, level_of, level_with
 from .kernels.cpu import render_tile
+from .sight import fill_black, nothing_seen
 
 logger = logging.getLogger("vtkmcvr")
 
@@ -88,8 +89,14 @@ def run(
 ) -> tuple[str, float]:
     """Add samples to the film until a rule is met. Returns (which rule, seconds of rendering).
 
-    `density` says where they go; None: everywhere alike.
+    `density` says where they go; None: everywhere alike. Where there is nothing to see, nothing is
+    compiled or traced.
     """
+    if nothing_seen(scene):
+        stopped_by = fill_black(film, rules.samples, density)
+        if progress is not None:
+            progress(Progress(1.0, level_of(film.count, density), 0.0))
+        return stopped_by, 0.0
     compiling(lambda: render_tile(film, scene, 0, 0, 0, 0, film.count, np.int64(seed)))
     runner = Runner(scene, film, rules, seed, threads, progress, density)
     with ThreadPoolExecutor(threads, thread_name_prefix="vtkmcvr") as pool:

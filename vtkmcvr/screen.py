@@ -14,6 +14,7 @@ from .film_filter import gaussian_5x5
 
 Colour = tuple[float, float, float]
 FILM_FILTERS = ("none", "gaussian-5x5")
+CURVES = ("film", "none")
 TO_RGBA: dict[int, Callable[..., NDArray[Any]]] = {8: to_rgba8, 16: to_rgba16}
 
 
@@ -32,12 +33,16 @@ class Display:
     film_filter : {"none", "gaussian-5x5"}
         "gaussian-5x5" blurs the film before tone mapping, as Exposure Render does with samples of
         `PixelFilter("box", 0.5)`.
+    curve : {"film", "none"}
+        Tone curve of Exposure Render, or none: light above 1 is cut off. With gamma 1 as well,
+        numbers are displayed as they are.
     """
 
     exposure: float = 0.0
     background: Colour | None = None
     gamma: float | None = None
     film_filter: str = "none"
+    curve: str = "film"
 
     def __post_init__(self) -> None:
         checks.number("exposure", self.exposure)
@@ -47,6 +52,7 @@ class Display:
             raise ValueError(
                 f"film_filter is one of {', '.join(FILM_FILTERS)}; got {self.film_filter!r}"
             )
+        checks.choice("curve", self.curve, CURVES)
         if self.background is not None:
             behind = checks.colour("background", self.background)
             if max(behind) > 1:
@@ -64,4 +70,5 @@ def shown(radiance: NDArray, alpha: NDArray | None, display: Display, bits: int 
     return TO_RGBA[bits](
         radiance, alpha,
         exposure=display.exposure, background=display.background, gamma=display.gamma,
+        curve=display.curve,
     )  # fmt: skip

@@ -14,6 +14,7 @@ from .kernels.gradient_range import fill_gradient_ranges
 from .kernels.majorant import fill_cell_ranges, largest_gradient
 from .pack import matrix
 from .scene import Volume
+from .slabs import in_slabs
 
 # Edge of a macrocell in voxels: small cells waste fewer tentative collisions at surfaces, large
 # ones take less memory and fewer steps. Measured best at 3 (tests/bench/bench_looks.py); larger
@@ -124,7 +125,10 @@ def cell_edge(shape: tuple[int, ...]) -> int:
 def _cell_ranges(values: NDArray, cell: int) -> tuple[NDArray, NDArray]:
     shape = tuple(max(1, -(-(n - 1) // cell)) for n in values.shape)
     lowest, highest = np.empty(shape, np.float32), np.empty(shape, np.float32)
-    fill_cell_ranges(values, cell, lowest, highest, 0, shape[0])
+    in_slabs(
+        lambda first, end: fill_cell_ranges(values, cell, lowest, highest, first, end),
+        shape[0], values.size,
+    )  # fmt: skip
     return lowest, highest
 
 

@@ -11,7 +11,7 @@ from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkImageData
 
 if TYPE_CHECKING:
-    from .occlusion import OcclusionPicture
+    from .noiseless_picture import NoiselessPicture
     from .picture import Picture
 
 
@@ -40,12 +40,12 @@ def image_of_arrays(arrays: Mapping[str, NDArray]) -> vtkImageData:
     return image
 
 
-def image_of_picture(picture: Picture | OcclusionPicture) -> vtkImageData:
+def image_of_picture(picture: Picture | NoiselessPicture) -> vtkImageData:
     """Image with the measured arrays of a picture.
 
     Parameters
     ----------
-    picture : Picture or OcclusionPicture
+    picture : Picture or NoiselessPicture
 
     Returns
     -------

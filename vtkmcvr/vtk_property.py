@@ -12,6 +12,7 @@ from vtkmodules.vtkRenderingCore import vtkVolumeProperty
 from vtkmodules.vtkRenderingVolume import vtkVolumeMapper
 
 from .curves import Curve
+from .material import Phong
 from .phases import MOST_FORWARD, HenyeyGreenstein, Isotropic, Phase
 from .scene import Surface, TransferFunction
 from .vtk_transfer import colour_curve, grey_curve, opacity_curve, transfer_table
@@ -76,7 +77,8 @@ def surface_of(
     VTK adds a Phong highlight s (r.v)^p; the coat has Blinn's (n.h)^e, as wide for e = 4 p. Its
     reflectance is 8 s / (e + 2), at most 1: then the highlight is as bright as VTK's in the middle.
     VTK's default s = 0.2, p = 10 becomes 0.038, about that of glass or wet tissue. The ambient and
-    diffuse coefficients are not used: the colour is the albedo, ambient light comes from lights.
+    diffuse coefficients are for technique "emission-absorption" alone, as `phong`: in light
+    transport the colour is the albedo, and ambient light comes from lights.
 
     Parameters
     ----------
@@ -96,7 +98,11 @@ def surface_of(
     exponent = 4.0 * volume_property.GetSpecularPower(component)
     highlight = 8.0 * volume_property.GetSpecular(component) / (exponent + 2.0)
     specular = float(np.clip(highlight, 0.0, 1.0))
-    return Surface(gradient_factor, specular=specular, exponent=exponent)
+    phong = Phong(
+        volume_property.GetAmbient(component), volume_property.GetDiffuse(component),
+        volume_property.GetSpecular(component), volume_property.GetSpecularPower(component),
+    )  # fmt: skip
+    return Surface(gradient_factor, specular=specular, exponent=exponent, phong=phong)
 
 
 def phase_of(volume_property: vtkVolumeProperty) -> Phase:

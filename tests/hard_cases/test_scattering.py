@@ -32,8 +32,8 @@ from techniques import (
     MONTE_CARLO,
     OCCLUSION,
     SKY,
+    by_light,
     by_monte_carlo,
-    every_technique,
     picture_by,
     relative_difference,
 )
@@ -175,7 +175,7 @@ def test_hc36_lights_around_a_volume_far_from_the_origin(record, technique):
     record("HC-36", "light and volume moved", technique, 0, difference, 0)
 
 
-@every_technique
+@by_light
 def test_hc40_red_light_on_green_is_black(record, technique):
     green = medium(3.0, (0.0, 1.0, 0.0))
     lit = scene(blob(), green, lights=(ConstantEnvironment((1.0, 0.0, 0.0)),))

@@ -29,10 +29,12 @@ from vtkmcvr.kernels.brdf import (
 )
 from vtkmcvr.kernels.jit import entry_point
 from vtkmcvr.kernels.rng import start
+from vtkmcvr.lights import ConstantEnvironment
 from vtkmcvr.plan import plan
 from vtkmcvr.scene import Surface, TransferFunction
 
 f32 = np.float32
+SKY = (ConstantEnvironment(),)
 EXPONENTS = [0.0, 1.0, 1e2, 1e6]
 
 
@@ -174,7 +176,7 @@ def two_slopes():
 @pytest.mark.parametrize("g", [0.3, 0.8])
 def test_surfaces_happen_with_their_probability(x, m, g):
     transfer = TransferFunction(Curve([(0, 0.6)]), WHITE)
-    parts = plan(scene(two_slopes(), transfer, frontal(), surface=Surface(g))).packed
+    parts = plan(scene(two_slopes(), transfer, frontal(), surface=Surface(g), lights=SKY)).packed
     wo = direction(30, 180)
     n = 50_000
     place = (f32(x), f32(2.2), f32(1.7))
@@ -190,7 +192,7 @@ def test_surfaces_happen_with_their_probability(x, m, g):
 def test_opacity_modulation_can_be_left_out():
     transfer = TransferFunction(Curve([(0, 0.1)]), WHITE)
     surface = Surface(0.3, opacity_modulated=False)
-    parts = plan(scene(two_slopes(), transfer, frontal(), surface=surface)).packed
+    parts = plan(scene(two_slopes(), transfer, frontal(), surface=surface, lights=SKY)).packed
     n, p = 50_000, -math.expm1(-25 * 0.3**3)
     place, sigma_t = (f32(8.3), f32(2.2), f32(1.7)), f32(-math.log1p(-0.1))
     count, _ = surface_share(parts.surface, parts.medium, place, sigma_t, direction(30, 180), n)
@@ -203,7 +205,8 @@ def test_no_surface_without_a_gradient():
     values[:, :, :8] = 0
     parts = plan(
         scene(
-            volume(values), TransferFunction(Curve([(0, 0.6)]), WHITE), surface=Surface(mode="brdf")
+            volume(values), TransferFunction(Curve([(0, 0.6)]), WHITE), lights=SKY,
+            surface=Surface(mode="brdf"),
         )
     ).packed
     for place, some in [((3, 2, 2), False), ((12, 2, 2), True)]:

@@ -8,8 +8,10 @@ from typing import Any
 from .camera_options import add_camera_options
 from .cutting import add_cutting_options
 from .inputs import add_input_options
-from .occlusion_options import add_occlusion_options
+from .technique_options import add_technique_options
 from .transport_options import add_display_options, add_transport_options
+
+MEASURED = "measured"
 
 
 def add_scene_options(parser: argparse.ArgumentParser, *, all_times: bool = False) -> None:
@@ -50,7 +52,7 @@ def add_render_options(parser: argparse.ArgumentParser) -> None:
     """Everything that decides a picture."""
     add_scene_options(parser, all_times=True)
     add = parser.add_argument
-    add_occlusion_options(parser)
+    add_technique_options(parser)
     add("--samples", type=int, help="samples per pixel, default 64")
     add("--seconds", type=float, help="time to render; the first limit that is met ends the render")
     add("--nrms", type=float, help="error to reach, such as 0.02")
@@ -78,6 +80,14 @@ def add_render_options(parser: argparse.ArgumentParser) -> None:
         "--dry-run",
         action="store_true",
         help="predict samples, time and memory for --nrms (0.01) from a short pilot; no picture",
+    )
+    add(
+        "--explain",
+        nargs="?",
+        const="reasons",
+        choices=("reasons", MEASURED),
+        help="say which effects were simulated and why; measured: and what each of them costs, by "
+        "rendering the scene without it",
     )
     add("--report", metavar="FILE", help="page about the picture, its error and its cost: .html")
     add("--json", metavar="FILE", help="what was measured")

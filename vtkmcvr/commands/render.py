@@ -7,15 +7,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .. import __version__
+from ..memory import peak_memory
 from .inputs import read_as_asked
-from .occlusion_options import occlusion_options
-from .options import add_render_options
+from .options import MEASURED, add_render_options
 from .scenes import demo_volume, flipped, scene_options
+from .technique_options import technique_options
 from .terminal import Bar, Interrupt, say_to, write_json
 from .transport_options import displayed
 
 if TYPE_CHECKING:
-    from ..occlusion import OcclusionPicture
+    from ..effects import EffectCost
+    from ..noiseless_picture import NoiselessPicture
     from ..picture import Picture
     from ..scene import Scene
 
@@ -78,28 +80,32 @@ def _render(args: argparse.Namespace) -> int:
 def make_picture(data: Any, args: argparse.Namespace, *, explain: bool = False) -> int:
     """Render, save, report; returns the exit status."""
     from ..picture import check_suffix
-    from ..report import check_report
+    from ..report import check_report, write_report
 
     check_suffix(args.output)
     check_report(args.report)
+    if args.explain == MEASURED and args.technique == "occlusion":
+        raise ValueError("--explain measured is not for --technique occlusion")
     say = say_to(args)
-    picture = picture_of(data, args)
+    picture: Any = picture_of(data, args)
     picture.save(args.output, bits=args.bits)
-    if explain:
-        say(picture.plan.explain())
+    costs = _measured(picture, args)
+    if explain or args.explain:
+        say(picture.plan.explain(costs if args.explain == MEASURED else ()))
     for note in picture.recipe["notes"]:
         say(f"note: {note}")
-    say(_cost(picture))
+    say(_cost(picture) + _memory())
     say(f"picture: {Path(args.output).resolve()}")
     write_json(args.json, picture_facts(picture))
     if args.report:
-        _report(picture, args)
+        path = write_report(picture, args.report, costs)
+        say(f"report: {path.resolve()}")
     return 0
 
 
 def picture_of(
     data: Any, args: argparse.Namespace, like: Scene | None = None
-) -> Picture | OcclusionPicture:
+) -> Picture | NoiselessPicture:
     """Render as the arguments say, with transfer function, camera and lights of `like`."""
     from ..front import BACKDROP, render
 
@@ -114,7 +120,7 @@ def picture_of(
             data, samples=args.samples, seconds=args.seconds, nrms=args.nrms,
             adaptive=args.adaptive, seed=args.seed, threads=args.threads, backend=args.backend,
             exposure=args.exposure, background=background, progress=bar, abort=stop.is_set,
-            **occlusion_options(args), **options,
+            **technique_options(args), **options,
         )  # fmt: skip
     picture = displayed(picture, args)
     return picture.denoised(args.denoise) if args.denoise else picture
@@ -135,17 +141,17 @@ def _predict(data: Any, args: argparse.Namespace) -> int:
     return 0
 
 
-def _report(picture: Any, args: argparse.Namespace) -> None:
+def _measured(picture: Picture, args: argparse.Namespace) -> list[EffectCost]:
+    """What each effect costs, where somebody asks for it."""
     from ..costs.effects import effect_costs
-    from ..report import write_report
 
+    if not (args.report or args.explain == MEASURED):
+        return []
     seconds = min(max(REPORT_SHARE * picture.seconds, 0.2), 10.0)
-    costs = effect_costs(picture.plan.scene, seconds, args.threads)
-    path = write_report(picture, args.report, costs)
-    say_to(args)(f"report: {path.resolve()}")
+    return effect_costs(picture.plan.scene, seconds, args.threads)
 
 
-def picture_facts(picture: Picture | OcclusionPicture) -> dict[str, Any]:
+def picture_facts(picture: Picture | NoiselessPicture) -> dict[str, Any]:
     """What was measured, ready for JSON."""
     return {
         **picture.facts(),
@@ -153,13 +159,19 @@ def picture_facts(picture: Picture | OcclusionPicture) -> dict[str, Any]:
         "preset": picture.recipe["preset"],
         "version": __version__,
         "notes": picture.recipe["notes"],
+        "peak_memory": peak_memory(),
     }
 
 
-def _cost(picture: Picture | OcclusionPicture) -> str:
-    from ..occlusion import OcclusionPicture
+def _memory() -> str:
+    peak = peak_memory()
+    return "" if peak is None else f"; {peak / 2**20:.0f} MiB of memory at most"
 
-    if isinstance(picture, OcclusionPicture):
+
+def _cost(picture: Picture | NoiselessPicture) -> str:
+    from ..noiseless_picture import NoiselessPicture
+
+    if isinstance(picture, NoiselessPicture):
         return str(picture)
     width, height = picture.size
     adaptive = "adaptive " if picture.density is not None else ""

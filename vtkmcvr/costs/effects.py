@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+import time
+from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
+from .. import checks
+from ..effects import EffectCost
 from ..film_error import variance
 from ..picture import Picture
 from ..plan import plan
@@ -16,25 +20,26 @@ from .ladder import LADDER_SEED, REFERENCE_SEED, Reference
 from .variants import MODEL, variants
 
 PILOT_SAMPLES = 4
-
-
-@dataclass(frozen=True)
-class EffectCost:
-    """The scene with something left out.
-
-    Attributes
-    ----------
-    name : str
-        Such as "no shadows".
-    saved : float
-        Change of the time per sample, -0.4: 40 % less.
-    change : float
-        NRMS difference from the picture with all effects.
-    """
-
-    name: str
-    saved: float
-    change: float
+# Turns in which a scene and all others are rendered; the least time of a turn counts
+ROUNDS = 3
+# Variant without an effect -> the effect of the plan that it is without
+SWITCHES = {
+    "no shadows": "shadows",
+    "no surface shading": "surface shading",
+    "no specular coat": "specular coat",
+    "isotropic phase": "anisotropic phase",
+    "no depth of field": "depth of field",
+    "environment alone": "lights",
+    "no environment": "environment",
+    "no emission": "emission",
+    "no gradient opacity": "gradient classification",
+    "no receivers": "receivers",
+    "first volume alone": "more volumes",
+    "no cuts": "cuts",
+    "one transfer function for all labels": "labels",
+    "single scattering": "multiple scattering",
+    "no albedo or normal": "first-hit AOVs",
+}
 
 
 def effect_costs(
@@ -49,24 +54,61 @@ def effect_costs(
         For each, > 0, compilation not counted.
     threads : int, optional
         Default: all CPUs that the process may use.
+
+    Returns
+    -------
+    list of EffectCost
+        Those that take most of the time first. `Plan.explain` makes them a table.
     """
-    whole = _timed(scene, seconds, threads, REFERENCE_SEED)
-    reference = Reference(whole.film.mean, variance(whole.film), whole.samples, whole.seconds)
-    costs = []
+    checks.number("seconds", seconds, above=0.0)
+    whole, *others = [_Timed(scene, threads, REFERENCE_SEED)] + [
+        _Timed(changed, threads, LADDER_SEED, name) for name, changed in _without(scene)
+    ]
+    for _ in range(ROUNDS):
+        for timed in (whole, *others):
+            timed.turn(seconds / ROUNDS)
+    film = whole.picture.film
+    reference = Reference(film.mean, variance(film), whole.picture.samples, whole.picture.seconds)
+    costs = [_cost(timed, whole, reference) for timed in others]
+    return sorted(costs, key=lambda cost: cost.saved)
+
+
+def _without(scene: Scene) -> Iterator[tuple[str, Scene]]:
+    """Name and scene of everything that can be left out."""
     for variant in variants(scene):
-        if variant.kind != MODEL or variant.group != "without an effect":
-            continue
-        without = _timed(variant.scene, seconds, threads, LADDER_SEED)
-        # The noise of both is taken off the difference
-        noise = float(np.mean(reference.variance + variance(without.film)))
-        square = float(np.mean((without.film.mean - whole.film.mean) ** 2)) - noise
-        change = math.sqrt(max(square, 0.0) / reference.power) if reference.power > 0 else 0.0
-        saved = whole.paths_per_second / without.paths_per_second - 1
-        costs.append(EffectCost(variant.name, saved, change))
-    return costs
+        if variant.kind == MODEL and variant.group == "without an effect":
+            yield variant.name, variant.scene
+    if scene.scattering == "multiple":
+        single = replace(scene, scattering="single", max_scatterings=None)
+        yield "single scattering", single
+    if scene.aovs:
+        yield "no albedo or normal", replace(scene, aovs=())
 
 
-def _timed(scene: Scene, seconds: float, threads: int | None, seed: int) -> Picture:
-    planned = plan(scene)
-    first = render_scene(planned, samples=PILOT_SAMPLES, seed=seed, threads=threads)
-    return first.refine(seconds=seconds)
+class _Timed:
+    """A scene, rendered turn by turn."""
+
+    def __init__(self, scene: Scene, threads: int | None, seed: int, name: str = ""):
+        self.name = name
+        self.picture: Picture = render_scene(
+            plan(scene), samples=PILOT_SAMPLES, seed=seed, threads=threads, backend="cpu"
+        )
+        self.seconds_per_path = math.inf
+
+    def turn(self, seconds: float) -> None:
+        """Render for a time. Processor time counts, which other programs disturb little."""
+        before, start = int(self.picture.film.count.sum()), time.process_time()
+        self.picture = self.picture.refine(seconds=seconds)
+        spent = time.process_time() - start
+        paths = int(self.picture.film.count.sum()) - before
+        self.seconds_per_path = min(self.seconds_per_path, spent / max(paths, 1))
+
+
+def _cost(timed: _Timed, whole: _Timed, reference: Reference) -> EffectCost:
+    film = timed.picture.film
+    # The noise of both is taken off the difference
+    noise = float(np.mean(reference.variance + variance(film)))
+    square = float(np.mean((film.mean - whole.picture.film.mean) ** 2)) - noise
+    change = math.sqrt(max(square, 0.0) / reference.power) if reference.power > 0 else 0.0
+    saved = timed.seconds_per_path / whole.seconds_per_path - 1
+    return EffectCost(timed.name, SWITCHES[timed.name], saved, change)

@@ -22,13 +22,31 @@ FIVE, TEN = f32(5.0), f32(10.0)
 BLEND = f32(28.0 / (23.0 * math.pi))
 INVERSE_2PI = f32(0.5 / math.pi)
 HYBRID, ALWAYS, THRESHOLD = 0, 1, 2
+# Distance over which the packed surface says that any extinction is opaque
+EVERYWHERE = f32(1e30)
 NO_NORMAL = (ZERO, ZERO, ZERO)
+
+
+@device
+def opacity_over(distance, sigma_t):
+    """Opacity of a medium of even extinction."""
+    return -math.expm1(-sigma_t * distance)
 
 
 @glue
 def surface_opacity(surface, sigma_t):
     """Alpha of Eq. 1: opacity over the transfer function's unit distance, or 1 for everywhere."""
-    return -math.expm1(-sigma_t * surface.opacity_distance)
+    if surface.opacity_distance >= EVERYWHERE:
+        return ONE
+    return opacity_over(surface.opacity_distance, sigma_t)
+
+
+@device
+def surface_variate(surface, rng):
+    """Variate that decides between surface and volume; 0 in modes that leave no choice."""
+    if surface.mode != HYBRID:
+        return rng, ZERO
+    return stratified(rng)
 
 
 @device
@@ -55,7 +73,7 @@ def surface_event(surface, medium, p, sigma_t, wo, rng):
     """
     if surface is None:
         return False, NO_NORMAL, rng
-    rng, xi = stratified(rng)
+    rng, xi = surface_variate(surface, rng)
     alpha = surface_opacity(surface, sigma_t)
     if xi >= surface_probability(surface, alpha, INFINITE):
         return False, NO_NORMAL, rng

@@ -45,6 +45,9 @@ def light_by_light(choice, scene, v, rng):
     if blocked(scene.light_tree, scene.area_lights, v.x, light):
         return BLACK, rng
     T, rng = visibility(scene, v, light.wi, light.distance, rng)
+    # Not below 0, which marks a violated majorant
+    if T == ZERO:
+        return BLACK, rng
     if choice.by_scatter and light.pdf > ZERO:
         T *= power_heuristic(light.pdf, scatter_pdf(v, light.wi))
     return scale(f, T), rng
@@ -59,15 +62,23 @@ def light_met(scene, choice, v, wi):
         L = area_light_radiance(lights, index, v.x, wi, distance)
         other = light_pdf(tree, lights, index, v.x, v.on_surface, v.normal, wi, distance)
         return weighted(choice, L, v, wi, other), distance
-    L = environment_radiance(scene.environment, wi)
-    other = map_pdf(choice, tree, scene.environment, v, wi)
-    return add(ambient_radiance(scene.ambient, wi), weighted(choice, L, v, wi, other)), distance
+    L = map_met(scene.environment, choice, tree, v, wi)
+    return add(ambient_radiance(scene.ambient, wi), L), distance
+
+
+@device
+def map_met(environment, choice, tree, v, wi):
+    """Weighted radiance of the environment map along wi, drawn at v."""
+    if environment is None:
+        return BLACK
+    L = environment_radiance(environment, wi)
+    return weighted(choice, L, v, wi, map_pdf(choice, tree, environment, v, wi))
 
 
 @device
 def map_pdf(choice, tree, environment, v, wi):
     """Density with which light sampling draws wi from the environment map, selection included."""
-    if choice is None or environment is None:
+    if choice is None:
         return ZERO
     chance = light_chance(tree, choice.environment, v.x, v.on_surface, v.normal)
     return chance * environment_pdf(environment, wi)
@@ -86,6 +97,16 @@ def weighted(choice, L, v, wi, other):
 
 
 @device
+def needs_scatter(ambient, choice):
+    """Whether rays drawn by the scattering function can bring light, if any light can be met."""
+    if ambient is not None:
+        return True
+    if choice is None:
+        return False
+    return choice.by_scatter
+
+
+@device
 def light_by_scatter(ambient, environment, area_lights, scene, v, rng):
     """Direct light at vertex v, direction drawn by the scattering function. Returns (L, rng).
 
@@ -95,6 +116,8 @@ def light_by_scatter(ambient, environment, area_lights, scene, v, rng):
         if environment is None:
             if area_lights is None:
                 return BLACK, rng
+    if not needs_scatter(ambient, scene.choice):
+        return BLACK, rng
     wi, rng = sample_scatter(v, rng)
     f = scatter_weight(v, wi)
     if largest(f) <= ZERO:

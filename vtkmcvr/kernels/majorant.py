@@ -11,19 +11,13 @@ import numpy as np
 
 from .jit import device, kernel
 
-f32 = np.float32
+f32, i32 = np.float32, np.int32
 # Interpolated scalars and table look-ups may exceed their exact bounds by a few float32 roundings.
 ROUNDING = f32(1e-6)
 TABLE_SLACK = f32(1e-2)
 EMPTY = f32(1e6)
-# Neighbours (k, j, i) that precede a cell in storage order, as offsets to subtract
-BEFORE = tuple(
-    (dz, dy, dx)
-    for dz in (0, 1)
-    for dy in (-1, 0, 1)
-    for dx in (-1, 0, 1)
-    if (dz, dy, dx) > (0, 0, 0)
-)
+ZERO, ONE = f32(0.0), f32(1.0)
+MANTISSA_BITS, EXPONENT_OF_ONE = i32(23), i32(127)
 
 
 @device
@@ -82,27 +76,10 @@ def cell_majorants(lowest, highest, maxima, table_lowest, per_scalar, out):
                 x = min(max((a - table_lowest) * per_scalar - slack, f32(0.0)), f32(last))
                 y = min(max((b - table_lowest) * per_scalar + slack, f32(0.0)), f32(last))
                 first, final = int(x), math.ceil(y)
-                level = 0
-                while (2 << level) <= final - first + 1:
-                    level += 1
+                # Logarithm to base 2, rounded down: the exponent of a float32
+                level = (f32(final - first + 1).view(i32) >> MANTISSA_BITS) - EXPONENT_OF_ONE
                 m = max(maxima[level, first], maxima[level, final + 1 - (1 << level)])
                 out[cz, cy, cx] = m * (f32(1.0) + ROUNDING)
-
-
-@device
-def nearest_before(radius, z, y, x, step):
-    """One more than the smallest radius among the 13 neighbours that a sweep has already visited.
-
-    `step` is 1 or -1, the direction of the sweep; beyond the grid all is empty.
-    """
-    nz, ny, nx = radius.shape
-    best = EMPTY
-    for dz, dy, dx in BEFORE:
-        k, j, i = z - step * dz, y - step * dy, x - step * dx
-        if 0 <= k < nz and 0 <= j < ny and 0 <= i < nx:
-            if radius[k, j, i] + f32(1.0) < best:
-                best = radius[k, j, i] + f32(1.0)
-    return best
 
 
 def mark_empty_cubes(majorant):
@@ -112,27 +89,45 @@ def mark_empty_cubes(majorant):
     chessboard distance to the nearest occupied cell (Rosenfeld and Pfaltz, Pattern Recognition
     1(1), 1968), less one.
     """
-    radius = np.where(majorant > 0, f32(0.0), EMPTY)
-    sweep(radius, 1)
-    sweep(radius, -1)
-    empty = radius > 0
-    majorant[empty] = f32(1.0) - radius[empty]
+    radius = np.where(majorant > 0, ZERO, EMPTY)
+    near = np.empty(majorant.shape[2] + 2, f32)
+    sweep(radius, 1, near)
+    sweep(radius, -1, near)
+    np.subtract(ONE, radius, out=majorant, where=radius > 0)
+
+
+@device
+def nearer(near, row):
+    """Lower `near`, which has one more entry at either end, to a row of radii."""
+    for i in range(len(row)):
+        near[i + 1] = min(near[i + 1], row[i])
 
 
 @kernel
-def sweep(radius, step):
-    """Propagate radii in storage order (step 1) or against it (step -1)."""
+def sweep(radius, step, near):
+    """Propagate radii in storage order (step 1) or against it (step -1).
+
+    A cell's radius is at most one more than that of any of the 13 neighbours that the sweep has
+    visited: nine of the plane before, three of the row before, one. Beyond the grid all is empty.
+    `near` is room for a row and two more.
+    """
     nz, ny, nx = radius.shape
     for k in range(nz):
+        z = k if step > 0 else nz - 1 - k
         for j in range(ny):
+            y = j if step > 0 else ny - 1 - j
+            near[:] = EMPTY
+            if k > 0:
+                for v in range(max(y - 1, 0), min(y + 2, ny)):
+                    nearer(near, radius[z - step, v])
+            if j > 0:
+                nearer(near, radius[z, y - step])
+            row, last = radius[z, y], EMPTY
             for i in range(nx):
-                z, y, x = k, j, i
-                if step < 0:
-                    z, y, x = nz - 1 - k, ny - 1 - j, nx - 1 - i
-                if radius[z, y, x] > f32(0.0):
-                    nearest = nearest_before(radius, z, y, x, step)
-                    if nearest < radius[z, y, x]:
-                        radius[z, y, x] = nearest
+                x = i if step > 0 else nx - 1 - i
+                around = min(min(near[x], near[x + 1]), min(near[x + 2], last))
+                last = min(row[x], around + ONE)
+                row[x] = last
 
 
 @kernel

@@ -25,11 +25,13 @@ def blocked(receivers, mesh, shadows, x, wi, distance):
 
 
 @device
-def reach_of(shadows, distance):
-    """Distance within which the medium attenuates light."""
+def shaded_interval(shadows, medium, o, d, distance):
+    """Part of the ray that attenuates light: where it starts, and its length."""
     if shadows is None:
-        return distance
-    return min(distance, shadows.reach)
+        return 0.0, ZERO
+    enter, leave = ray_interval(medium, o, d)
+    enter = max(enter, 0.0)
+    return enter, f32(min(leave, f64(min(distance, shadows.reach))) - enter)
 
 
 @glue
@@ -38,9 +40,7 @@ def through(shadows, marching, medium, transfer, ratio, o, d, distance, rng):
 
     Returns (T, rng).
     """
-    enter, leave = ray_interval(medium, o, d)
-    enter = max(enter, 0.0)
-    length = f32(min(leave, f64(reach_of(shadows, distance))) - enter)
+    enter, length = shaded_interval(shadows, medium, o, d, distance)
     T = ONE
     if length > ZERO:
         T, rng = transmittance(

@@ -12,7 +12,9 @@ from numpy.typing import NDArray
 
 from .. import schedule
 from ..accuracy import image_error
-from ..occlusion import OcclusionPicture, render_occlusion
+from ..noiseless import render_noiseless
+from ..noiseless_picture import NoiselessPicture
+from ..pack import structure
 from ..picture import Display, Picture
 from ..plan import Plan
 from ..rendering import empty_film
@@ -26,15 +28,6 @@ STEP_SECONDS = 0.5
 
 # Structures of scenes whose kernels are in memory
 _compiled: set[Any] = set()
-
-
-def structure(part: Any) -> Any:
-    """What kernels are compiled for: which parts are there, and their types."""
-    if isinstance(part, tuple):
-        return type(part).__name__, tuple(map(structure, part))
-    if isinstance(part, np.ndarray):
-        return part.dtype.str, part.ndim
-    return type(part)
 
 
 def is_compiled(planned: Plan) -> bool:
@@ -56,18 +49,21 @@ class Estimate:
         Estimated NRMS; NaN where the technique is biased, inf where it is not known yet.
     done : bool
         Whether the target is reached.
+    technique : str
+        What it was made by, where it is biased.
     """
 
     pixels: NDArray[np.uint8]
     samples: int
     error: float
     done: bool
+    technique: str = ""
 
     @property
     def words(self) -> str:
         """What stands in the corner: "128 samples, error 1.8 %"."""
         if math.isnan(self.error):
-            return "occlusion"
+            return self.technique
         if not self.samples:
             return "preview"
         known = f", error {100 * self.error:.2g} %" if math.isfinite(self.error) else ""
@@ -179,8 +175,8 @@ class Job(Cancellable):
         return self.cancelled
 
 
-class OcclusionJob(Cancellable):
-    """The same by directional occlusion: one pass, no samples.
+class NoiselessJob(Cancellable):
+    """The same by a technique without noise: one pass, no samples.
 
     Parameters
     ----------
@@ -194,20 +190,21 @@ class OcclusionJob(Cancellable):
         super().__init__()
         self.scene, self.settings = scene, settings
         self.samples = 0
-        self._picture: OcclusionPicture | None = None
+        self._picture: NoiselessPicture | None = None
 
     def advance(self, most: int | None = None) -> None:
         """Render the picture."""
-        picture = render_occlusion(
-            self.scene, self.settings.occlusion, threads=self.settings.threads,
-            display=Display(self.settings.exposure_of(self.scene)), abort=lambda: self.cancelled,
+        own = self.settings
+        picture = render_noiseless(
+            own.technique, self.scene, own.occlusion or own.emission_absorption, own.exposure,
+            own.exposure_of(self.scene), threads=own.threads, abort=lambda: self.cancelled,
         )  # fmt: skip
         if self.cancelled:
             return
         self.samples, self.stopped_by, self._picture = 1, "end", picture
-        self.newest = Estimate(picture.rgba, 1, math.nan, True)
+        self.newest = Estimate(picture.rgba, 1, math.nan, True, own.technique)
 
-    def picture(self) -> OcclusionPicture:
+    def picture(self) -> NoiselessPicture:
         """Return the picture, once it is done."""
         if self._picture is None:
             raise RuntimeError("the picture is not done yet")

@@ -29,7 +29,9 @@ class VolumeLooks:
         self._look_key: tuple[Any, ...] | None = None
         self._key: tuple[Any, ...] | None = None
 
-    def layers(self, prop: vtkVolume, gradient_factor: float) -> tuple[Layer, ...]:
+    def layers(
+        self, prop: vtkVolume, gradient_factor: float, linear: bool = True
+    ) -> tuple[Layer, ...]:
         """Layers of a vtkVolume, one for each of its independent components.
 
         Parameters
@@ -37,25 +39,29 @@ class VolumeLooks:
         prop : vtkVolume
         gradient_factor : float
             Of surfaces, where the property has shading on.
+        linear : bool
+            Whether colours are those of reflectances in linear light, or as VTK displays them.
 
         Raises
         ------
         TypeError, ValueError
             Where its data, functions or mapper are of a kind that is not supported.
         """
-        key = (*volume_key(prop), gradient_factor)
+        key = (*volume_key(prop), gradient_factor, linear)
         if key != self._key:
-            self._layers = self._translated(prop, gradient_factor)
+            self._layers = self._translated(prop, gradient_factor, linear)
             # Asking for functions that were never set makes them, which counts as a change
-            self._key = (*volume_key(prop), gradient_factor)
+            self._key = (*volume_key(prop), gradient_factor, linear)
         return self._layers
 
-    def _translated(self, prop: vtkVolume, gradient_factor: float) -> tuple[Layer, ...]:
+    def _translated(
+        self, prop: vtkVolume, gradient_factor: float, linear: bool
+    ) -> tuple[Layer, ...]:
         mapper, image = mapper_of(prop), image_of(prop)
         refuse_mapper_features(mapper)
         cuts = {"clip": clip_of(mapper)}
         mask, labels = mask_of(mapper, prop.GetProperty())
-        looks = self._placed_looks(prop, image, gradient_factor)
+        looks = self._placed_looks(prop, image, gradient_factor, linear)
         return tuple(
             Layer(
                 look.volume, look.transfer, look.surface, mask=mask, labels=labels,
@@ -65,23 +71,21 @@ class VolumeLooks:
         )  # fmt: skip
 
     def _placed_looks(
-        self, prop: vtkVolume, image: vtkImageData, gradient_factor: float
+        self, prop: vtkVolume, image: vtkImageData, gradient_factor: float, linear: bool
     ) -> tuple[Look, ...]:
-        key = (image, image.GetMTime(), look_time(prop), matrix_key(prop), gradient_factor)
+        how = (gradient_factor, linear)
+        key = (image, image.GetMTime(), look_time(prop), matrix_key(prop), *how)
         if key != self._look_key:
             looks = looks_of(
                 image, prop.GetProperty(), scalars=scalars_of(prop),
                 gradient_factor=gradient_factor, volume=self._volumes.volume,
             )  # fmt: skip
             matrix = matrix_of(prop.GetMatrix())
-            self._looks = tuple(_placed(in_linear_light(look), matrix) for look in looks)
-            self._look_key = (
-                image,
-                image.GetMTime(),
-                look_time(prop),
-                matrix_key(prop),
-                gradient_factor,
+            self._looks = tuple(
+                _placed(in_linear_light(look) if linear else look, matrix) for look in looks
             )
+            # Reading a look may have made functions that were never set
+            self._look_key = (image, image.GetMTime(), look_time(prop), matrix_key(prop), *how)
         return self._looks
 
 

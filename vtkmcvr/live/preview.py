@@ -9,8 +9,9 @@ import numpy as np
 
 from .. import schedule
 from ..backdrop import Backdrop
-from ..occlusion import Occlusion, render_occlusion
-from ..picture import Display
+from ..emission_absorption import EmissionAbsorption
+from ..noiseless import render_noiseless
+from ..occlusion import Occlusion
 from ..plan import Plan, plan
 from ..rendering import empty_film
 from ..scene import Scene
@@ -19,8 +20,8 @@ from .settings import LiveSettings
 from .shown import picture_of
 
 COARSEST = 8
-# The same for occlusion, whose time depends little on the number of pixels
-OCCLUSION_SCALE, OCCLUSION_DETAIL = 3, 0.35
+# The same without noise; the time of occlusion depends little on the number of pixels
+NOISELESS_SCALE, OCCLUSION_DETAIL, STEP = 3, 0.35, 1.0
 # Camera paths per second, before any have been traced
 GUESS = 5e5
 
@@ -34,8 +35,8 @@ class Preview:
     def estimate(self, planned: Plan, settings: LiveSettings) -> Estimate:
         """First estimate of a planned scene."""
         scene = planned.scene
-        if settings.technique == "occlusion":
-            return _occlusion(coarsened(scene, OCCLUSION_SCALE), settings)
+        if settings.noiseless:
+            return _noiseless(coarsened(scene, NOISELESS_SCALE), settings)
         scale = self._scale(scene.size, settings.preview)
         coarse = plan(coarsened(scene, scale), planned) if scale > 1 else planned
         film = empty_film(coarse)
@@ -54,13 +55,21 @@ class Preview:
         return int(np.clip(math.ceil(need), 1, COARSEST))
 
 
-def _occlusion(scene: Scene, settings: LiveSettings) -> Estimate:
-    own = settings.occlusion or Occlusion()
-    quick = Occlusion(half_angle=own.half_angle, mode="fast", detail=OCCLUSION_DETAIL)
-    picture = render_occlusion(
-        scene, quick, threads=settings.threads, display=Display(settings.exposure_of(scene))
-    )
-    return Estimate(picture.rgba, 0, math.nan, False)
+def _noiseless(scene: Scene, settings: LiveSettings) -> Estimate:
+    picture = render_noiseless(
+        settings.technique, scene, _quick(settings), settings.exposure,
+        settings.exposure_of(scene), threads=settings.threads,
+    )  # fmt: skip
+    return Estimate(picture.rgba, 0, math.nan, False, settings.technique)
+
+
+def _quick(settings: LiveSettings) -> Occlusion | EmissionAbsorption:
+    """What is asked for, coarser."""
+    if settings.technique == "occlusion":
+        own = settings.occlusion or Occlusion()
+        return Occlusion(half_angle=own.half_angle, mode="fast", detail=OCCLUSION_DETAIL)
+    shading = (settings.emission_absorption or EmissionAbsorption()).shading
+    return EmissionAbsorption(STEP, shading=shading)
 
 
 def coarsened(scene: Scene, scale: int) -> Scene:

@@ -116,10 +116,11 @@ class SceneReader:
     def _layers(self, volumes: Sequence[vtkVolume], settings: LiveSettings) -> list[Layer]:
         known = {identity(v): self._looks.get(identity(v)) or VolumeLooks() for v in volumes}
         self._looks = known
+        linear = settings.technique != "emission-absorption"
         return [
             layer
             for v in volumes
-            for layer in known[identity(v)].layers(v, settings.gradient_factor)
+            for layer in known[identity(v)].layers(v, settings.gradient_factor, linear)
         ]
 
     def _receivers(self, surfaces: Sequence[vtkActor]) -> tuple[MeshReceiver, ...]:

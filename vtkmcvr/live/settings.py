@@ -9,11 +9,14 @@ from typing import Any
 from .. import checks
 from ..camera import Lens
 from ..display import EXPOSURE, SHADED_EXPOSURE
+from ..emission_absorption import EmissionAbsorption
 from ..lights import Light
+from ..noiseless import TECHNIQUES as NOISELESS
+from ..noiseless import check_settings
 from ..occlusion import Occlusion
 from ..scene import Scene
 
-TECHNIQUES = ("monte-carlo", "occlusion")
+TECHNIQUES = ("monte-carlo", *NOISELESS)
 LIGHTING = ("scene", "studio")
 MESHES = ("drawn", "traced")
 SAMPLES = 256
@@ -25,11 +28,13 @@ class LiveSettings:
 
     Parameters
     ----------
-    technique : {"monte-carlo", "occlusion"}
-        Light transport, or directional occlusion shading: smooth, quick, biased. The latter knows
-        one volume, without cuts and among no meshes.
+    technique : {"monte-carlo", "occlusion", "emission-absorption"}
+        Light transport; directional occlusion shading: smooth, quick, biased, and among no meshes;
+        or emission and absorption: what VTK itself shows.
     occlusion : Occlusion, optional
         Cone, mode and accuracy of "occlusion".
+    emission_absorption : EmissionAbsorption, optional
+        Steps, rays and shading of "emission-absorption".
     samples : int, optional
         Samples per pixel at which a picture is done, >= 1. Default: 256, or unlimited where `nrms`
         or `seconds` is given.
@@ -66,6 +71,7 @@ class LiveSettings:
 
     technique: str = "monte-carlo"
     occlusion: Occlusion | None = None
+    emission_absorption: EmissionAbsorption | None = None
     samples: int | None = None
     nrms: float | None = None
     seconds: float | None = None
@@ -113,10 +119,21 @@ class LiveSettings:
             object.__setattr__(self, "lighting", lights)
         _one_of("lens", (self.lens,), Lens, type(None))
         _one_of("occlusion", (self.occlusion,), Occlusion, type(None))
-        if self.occlusion is not None and self.technique != "occlusion":
-            raise ValueError('occlusion=... needs technique="occlusion"')
-        if self.technique == "occlusion" and self.meshes == "traced":
-            raise ValueError('technique "occlusion" traces no meshes: leave meshes at "drawn"')
+        _one_of(
+            "emission_absorption", (self.emission_absorption,), EmissionAbsorption, type(None)
+        )
+        check_settings(
+            self.technique, occlusion=self.occlusion, emission_absorption=self.emission_absorption
+        )
+        if self.noiseless and self.meshes == "traced":
+            raise ValueError(
+                f'technique "{self.technique}" traces no meshes: leave meshes at "drawn"'
+            )
+
+    @property
+    def noiseless(self) -> bool:
+        """Whether the technique takes no samples."""
+        return self.technique in NOISELESS
 
     @property
     def most_samples(self) -> int | None:

@@ -16,7 +16,7 @@ from ..vtk_props import is_plain_surface, opaque_props, volumes_of
 from .corner import CornerText
 from .depths import CENTRE, SPREAD, DepthPass, edges_of, together
 from .film_place import Place, place_of
-from .job import Estimate, Job, OcclusionJob, is_compiled
+from .job import Estimate, Job, NoiselessJob, is_compiled
 from .preview import Preview
 from .quad import PictureQuad
 from .reading import SceneReader, scene_key
@@ -57,7 +57,7 @@ class LiveView:
         self.settings = settings
         self.error: BaseException | None = None
         self.restarts = 0
-        self.job: Job | OcclusionJob | None = None
+        self.job: Job | NoiselessJob | None = None
         self.shown: Estimate | None = None
         self._reader, self._depths, self._preview = SceneReader(), DepthPass(), Preview()
         self._quad, self._text = PictureQuad(), CornerText()
@@ -149,7 +149,7 @@ class LiveView:
         if self.progressive():
             backdrop = self._backdrop(place, drawn, CENTRE) if drawn else None
             planned = self._planned(self._scene(place[2:], volumes, surfaces, backdrop))
-            if self.settings.technique == "occlusion" or is_compiled(planned):
+            if self.settings.noiseless or is_compiled(planned):
                 self._show(self._preview.estimate(planned, self.settings))
                 self._settled = False
                 return
@@ -164,8 +164,8 @@ class LiveView:
         backdrop = together(self._places) if drawn else None
         self._places = []
         scene = self._scene(place[2:], volumes, surfaces, backdrop)
-        if self.settings.technique == "occlusion":
-            self.job = OcclusionJob(scene, self.settings)
+        if self.settings.noiseless:
+            self.job = NoiselessJob(scene, self.settings)
         else:
             edges = None if backdrop is None else edges_of(backdrop)
             self.job = Job(self._planned(scene), self.settings, edges)

@@ -83,13 +83,17 @@ def integrals_of(
     """Running integrals of extinction and coloured extinction over the tables' entries."""
     whole = transfer.sigma_t.astype(np.float64)
     sigma_t = np.minimum(whole, most)
-    lit = sigma_t[:, None] * transfer.colour
+    colour = transfer.colour
+    if len(colour) != len(whole):
+        # Another table, or the volume, has the colour
+        colour = np.zeros((len(whole), 3), f32)
+    lit = sigma_t[:, None] * colour
     entries = int(transfer.entries)
     filled = np.flatnonzero(sigma_t.reshape(-1, entries).any(axis=0))
     clear = (filled[0] - 1 if len(filled) else entries) + 0.0
     return packed.Integrals(
         sigma_t.astype(f32), _running(sigma_t), transfer.sigma_t, _running(whole), _running(lit),
-        transfer.colour, f32(clear), f32(entries - 1), transfer.lowest, transfer.per_scalar,
+        colour, f32(clear), f32(entries - 1), transfer.lowest, transfer.per_scalar,
         f32(min(most, 1e30)), np.bool_(limited),
     )  # fmt: skip
 

@@ -1,196 +1,47 @@
-"""A picture by directional occlusion: what `Picture` offers, but biased and without noise."""
+"""A picture by directional occlusion."""
 
 from __future__ import annotations
 
-import os
-import tempfile
-from dataclasses import asdict, dataclass, field, replace
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn
+from dataclasses import asdict, dataclass
+from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
-from .. import picture_files
-from ..picture import check_suffix
-from ..plan import Plan
-from ..screen import Display, shown
+from ..noiseless_picture import NoiselessPicture
 from .settings import Occlusion
 from .sweep import Work
 
-if TYPE_CHECKING:
-    import pyvista
-
 
 @dataclass(frozen=True, eq=False)
-class OcclusionPicture:
+class OcclusionPicture(NoiselessPicture):
     """Result of `vtkmcvr.render(..., technique="occlusion")`.
 
     Attributes
     ----------
-    planes : dict of arrays
-        "radiance", "alpha", "depth" and, if asked for, "albedo" and "normal", as the properties
-        give them.
-    plan : Plan
-        Effects with reasons, and the scene.
     settings : Occlusion
-    display : Display
-        Exposure and background of `rgba`.
-    seconds : float
-        Rendering time, compilation not counted.
-    stopped_by : str
-        "end" or "user".
-    threads : int
     work : Work
         Pixels times layers: all, looked up, and seen.
-    recipe : dict
-        What was asked for.
     """
 
-    planes: dict[str, NDArray[np.float32]]
-    plan: Plan
     settings: Occlusion
-    display: Display
-    seconds: float
-    stopped_by: str
-    threads: int
     work: Work
-    seed: int = 0
-    recipe: dict[str, Any] = field(default_factory=dict)
 
-    # Biased and deterministic: there is no standard error to give, and no noise to reduce
-    standard_error = None
-    denoiser = None
-    nrms = float("inf")
-    biased = True
-    samples = 1
+    technique = "occlusion"
 
-    @property
-    def radiance(self) -> NDArray[np.float32]:
-        """Linear RGB, (H, W, 3), premultiplied by alpha where the volume covers part of a pixel."""
-        return self.planes["radiance"]
-
-    @property
-    def alpha(self) -> NDArray[np.float32]:
-        """Opacity of the volume, (H, W), [0, 1]."""
-        return self.planes["alpha"]
-
-    @property
-    def depth(self) -> NDArray[np.float32]:
-        """Mean distance from camera to first collision, (H, W), world units; inf: none."""
-        return self.planes["depth"]
-
-    @property
-    def albedo(self) -> NDArray[np.float32] | None:
-        """Mean albedo of what is seen, (H, W, 3), times alpha; None: not asked for."""
-        return self.planes.get("albedo")
-
-    @property
-    def normal(self) -> NDArray[np.float32] | None:
-        """Mean world normal toward the viewer, (H, W, 3), times alpha; None: not asked for."""
-        return self.planes.get("normal")
-
-    @property
-    def size(self) -> tuple[int, int]:
-        """(width, height)."""
-        height, width = self.alpha.shape
-        return width, height
-
-    @property
-    def rejected_samples(self) -> int:
-        """Pixels that are not finite; 0 unless something is wrong."""
-        return int(self.radiance.size // 3 - np.isfinite(self.radiance).all(axis=-1).sum())
-
-    @property
-    def rgba(self) -> NDArray[np.uint8]:
-        """Display picture, (H, W, 4): tone-mapped sRGB with straight alpha."""
-        return self.show(self.display)
-
-    def show(self, display: Display, bits: int = 8) -> NDArray[Any]:
-        """Display picture under another display, (H, W, 4), uint8, or uint16 for 16 bits."""
-        return shown(self.radiance, self.alpha, display, bits)
-
-    def with_display(self, display: Display | None = None, **changes: Any) -> OcclusionPicture:
-        """The same film under another display, or with parts of it changed."""
-        return replace(self, display=replace(display or self.display, **changes))
-
-    def denoised(self, method: str = "knn") -> NoReturn:
-        """Refuse: there is no noise."""
-        raise ValueError(f"technique occlusion has no noise for {method} to reduce")
-
-    def arrays(self) -> dict[str, NDArray]:
-        """All arrays by public name."""
-        return {"rgba": self.rgba, **self.planes}
-
-    def to_pyvista(self) -> pyvista.ImageData:
-        """Image of W x H x 1 points with all arrays; `rgba` is active."""
-        from ..pyvista_hooks.convert import to_pyvista
-
-        return to_pyvista(self)
-
-    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
-        """Return `rgba`, for NumPy."""
-        return np.asarray(self.rgba, dtype)
-
-    def facts(self) -> dict[str, Any]:
-        """What was measured, as plain JSON values."""
+    def own_facts(self) -> dict[str, Any]:
+        """Return what is of occlusion alone."""
         return {
-            "technique": "occlusion",
-            "biased": True,
             "mode": self.settings.mode,
             "half_angle": self.settings.half_angle,
-            "seconds": self.seconds,
-            "nrms": None,
-            "stopped_by": self.stopped_by,
-            "rejected_samples": self.rejected_samples,
             "fragments": self.work.naive,
             "fragments_looked_up": self.work.looked_up,
             "fragments_seen": self.work.seen,
-            "effects": {e.name: {"on": e.on, "reason": e.reason} for e in self.plan.effects},
-            "notes": list(self.plan.notes),
-            "threads": self.threads,
-            "size": list(self.size),
         }
 
-    def save(self, path: str | os.PathLike, *, bits: int = 8) -> Path:
-        """Write .png (display picture) or .exr, .npz, .vti (float radiance, AOVs), with the recipe.
-
-        Parameters
-        ----------
-        path : path-like
-        bits : {8, 16}
-            Of a .png.
-        """
-        target = check_suffix(path)
-        suffix = target.suffix.lower()
-        if bits != 8 and suffix != ".png":
-            raise ValueError(f"bits is for .png; {target.name} has floats")
-        recipe = self._recipe()
-        if suffix == ".png":
-            text = {picture_files.RECIPE: picture_files.recipe_json(recipe)}
-            picture_files.write_png(target, self.show(self.display, bits), text)
-        elif suffix == ".npz":
-            picture_files.write_npz(target, self.arrays(), recipe)
-        elif suffix == ".vti":
-            picture_files.write_vti(target, self.arrays(), recipe)
-        else:
-            picture_files.write_exr(target, self.planes, recipe)
-        return target
-
-    def _recipe(self) -> dict[str, Any]:
-        """What the front door noted, what came out, and what `vtkmcvr.replay` reads."""
+    def own_recipe(self) -> dict[str, Any]:
+        """Return the settings, and what `vtkmcvr.replay` reads."""
         from .recipe import replay_part
 
         return {
-            **self.recipe,
-            "technique": "occlusion",
             "occlusion": asdict(self.settings),
-            "exposure": self.display.exposure,
-            "background": self.display.background,
-            "measured": {
-                "seconds": self.seconds, "nrms": None, "stopped_by": self.stopped_by,
-                "rejected_samples": self.rejected_samples,
-            },
             "replay": replay_part(self.plan.scene, self.settings, self.display, self.planes),
         }
 
@@ -202,8 +53,3 @@ class OcclusionPicture:
             f"{self.seconds:.2f} s on {self.threads} threads; looked up {share:.0%} of all "
             "fragments; biased, no error estimate"
         )
-
-    def _repr_png_(self) -> bytes:
-        """Show itself in a notebook."""
-        with tempfile.TemporaryDirectory() as folder:
-            return self.save(Path(folder) / "picture.png").read_bytes()

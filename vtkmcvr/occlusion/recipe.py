@@ -30,9 +30,16 @@ def film_hash(planes: Mapping[str, NDArray]) -> str:
 
 
 def replay_part(
-    scene: Scene, settings: Occlusion, display: Display, planes: Mapping[str, NDArray]
+    scene: Scene,
+    settings: Any,
+    display: Display,
+    planes: Mapping[str, NDArray],
+    name: str = "occlusion",
 ) -> dict[str, Any]:
-    """What `vtkmcvr.replay` reads, as plain JSON values; of voxels there are hashes only."""
+    """What `vtkmcvr.replay` reads, as plain JSON values; of voxels there are hashes only.
+
+    `name` is where the settings stand.
+    """
     part = {"format": FORMAT, "version": __version__}
     try:
         plain = to_plain(scene)
@@ -41,7 +48,7 @@ def replay_part(
     return {
         **part,
         "scene": plain,
-        "occlusion": to_plain(settings, "occlusion"),
+        name: to_plain(settings, name),
         "display": dataclasses.asdict(display),
         "film": film_hash(planes),
     }

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from .. import checks, packed
+from ..lights import ConstantEnvironment
 from ..material import Surface
 from ..pack import f32, vector
 from ..phases import Isotropic
@@ -145,9 +146,12 @@ def layout(scene: Scene, occlusion: Occlusion) -> tuple[Plan, Raster, int]:
     if surface is None and (occlusion.shaded or "normal" in scene.aovs):
         surface = Surface(mode="brdf", specular=0.0)
     others = tuple(replace(layer, surface=None) for layer in scene.layers)
+    # A plan without any light has no surfaces
+    lights = () if surface is None else (ConstantEnvironment(),)
     bare = replace(
-        scene, camera=camera, lights=(), surface=surface, phase=Isotropic(), layers=others, **PLAIN
-    )
+        scene, camera=camera, lights=lights, surface=surface, phase=Isotropic(), layers=others,
+        **PLAIN,
+    )  # fmt: skip
     planned = plan(bare)
     voxel = min(_voxel(volume) for volume in (scene.volume, *(v.volume for v in scene.layers)))
     raster = _fitting(planned, LAYER * voxel)

@@ -160,7 +160,8 @@ def fit_look(look: Look, volume: Volume, units: str = "", shift: float | None = 
         low, high = (high, high + 1) if flat else (object_threshold(volume.values), high)
     if look.units == "signed":
         sample = finite_sample(volume.values)
-        low, high = 0.0, float(np.percentile(np.abs(sample), 99.9)) or 1.0
+        # The least integer has no absolute value of its type
+        low, high = 0.0, float(np.percentile(np.abs(sample.astype(float)), 99.9)) or 1.0
     return Fit(low, max(high - low, 1e-30))
 
 

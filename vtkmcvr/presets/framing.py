@@ -25,7 +25,10 @@ def seen_voxels(volume: Volume, opacity: Curve, mask: NDArray | None) -> NDArray
         # Each value once: a curve is slower than a table
         lowest = int(values.min())
         shown = opacity(np.arange(lowest, int(values.max()) + 1, dtype=np.float64)) > 0
-        seen = shown[values.astype(np.int32) - lowest]
+        seen = np.empty(values.shape, bool)
+        # Plane by plane, because indices take eight bytes each
+        for plane, out in zip(values, seen, strict=True):
+            out[...] = shown[plane.astype(np.intp) - lowest]
     else:
         finite = np.isfinite(values)
         seen = finite & (opacity(np.where(finite, values, 0)) > 0)
@@ -56,8 +59,7 @@ def seen_points(volume: Volume, seen: NDArray[np.bool_]) -> NDArray[np.float64] 
         first = int(np.searchsorted(reached, SPECKS * total, side="right"))
         ends.append((first, int(np.searchsorted(reached, (1 - SPECKS) * total, side="left"))))
     low, high = np.array(ends).T
-    inside = np.argwhere(seen[tuple(slice(a, b + 1) for a, b in ends)]) + low
-    inside = inside[:: max(1, len(inside) // MOST_POINTS)]
+    inside = _some_of(seen[tuple(slice(a, b + 1) for a, b in ends)]) + low
     middle = (low + high) / 2
     axes = np.eye(3, dtype=bool)
     faces = [np.where(axis, end, middle) for axis in axes for end in (low, high)]
@@ -66,6 +68,18 @@ def seen_points(volume: Volume, seen: NDArray[np.bool_]) -> NDArray[np.float64] 
     index = 2 * index + np.sign(index - middle)
     index = np.clip(index, 0, np.array(volume.values.shape) - 1)[:, ::-1]
     return index @ volume.index_to_world[:3, :3].T + volume.index_to_world[:3, 3]
+
+
+def _some_of(seen: NDArray[np.bool_]) -> NDArray[np.intp]:
+    """Indices (n, 3) of every so many voxels that are seen, plane by plane to spare memory."""
+    counts = np.count_nonzero(seen, axis=(1, 2))
+    step = max(1, int(counts.sum()) // MOST_POINTS)
+    before = np.cumsum(counts) - counts
+    found = []
+    for k, (plane, passed) in enumerate(zip(seen, before, strict=True)):
+        rows = np.argwhere(plane)[-passed % step :: step]
+        found.append(np.column_stack([np.full(len(rows), k), rows]))
+    return np.concatenate(found)
 
 
 def view_of_slab(view: View, points: NDArray[np.float64] | None) -> View:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import pyvista as pv
 
 if TYPE_CHECKING:
-    from ..occlusion import OcclusionPicture
+    from ..noiseless_picture import NoiselessPicture
     from ..picture import Picture
 
 WINDOW_SIZE = (800, 600)
@@ -51,7 +51,7 @@ class ImageAccessor:
         clipping_planes: Any = (),
         transparent_background: bool = False,
         **options: Any,
-    ) -> Picture | OcclusionPicture:
+    ) -> Picture | NoiselessPicture:
         """Render the image as `pyvista.Plotter.add_volume` would show it, by light transport.
 
         Parameters
@@ -79,13 +79,14 @@ class ImageAccessor:
         transparent_background : bool
             Whether the picture keeps its alpha instead of a background.
         **options
-            `samples`, `nrms`, `seconds`, `seed`, `threads`, `technique`, `occlusion`, `exposure`,
-            `lens`, `scattering`, `gradient_factor`, `progress`, `abort` as for `vtkmcvr.render`;
-            all others are `add_volume`'s: `log_scale`, `diffuse`, `specular`, `user_matrix` ...
+            `samples`, `nrms`, `seconds`, `seed`, `threads`, `technique`, `occlusion`,
+            `emission_absorption`, `exposure`, `lens`, `scattering`, `gradient_factor`, `progress`,
+            `abort` as for `vtkmcvr.render`; all others are `add_volume`'s: `log_scale`, `diffuse`,
+            `specular`, `user_matrix` ...
 
         Returns
         -------
-        Picture or OcclusionPicture
+        Picture or NoiselessPicture
             Shows itself in a notebook; `vtkmcvr.to_pyvista(picture)` is an ImageData, its
             attributes are NumPy arrays.
         """

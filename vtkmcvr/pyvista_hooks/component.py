@@ -12,7 +12,7 @@ import pyvista as pv
 
 if TYPE_CHECKING:
     from ..live import LiveSettings, LiveWindow
-    from ..occlusion import OcclusionPicture
+    from ..noiseless_picture import NoiselessPicture
     from ..picture import Picture
     from .driver import Driver
     from .tools import FocusPicking
@@ -115,7 +115,7 @@ class PlotterComponent:
         return self._settings
 
     @property
-    def picture(self) -> Picture | OcclusionPicture:
+    def picture(self) -> Picture | NoiselessPicture:
         """Picture of the active subplot's volumes so far: float radiance, errors, plan."""
         view = self._view()
         if view.job is None:

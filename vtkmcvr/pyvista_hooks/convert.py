@@ -9,11 +9,11 @@ import pyvista as pv
 from ..vtk_image import image_of_arrays
 
 if TYPE_CHECKING:
-    from ..occlusion import OcclusionPicture
+    from ..noiseless_picture import NoiselessPicture
     from ..picture import Picture
 
 
-def to_pyvista(picture: Picture | OcclusionPicture) -> pv.ImageData:
+def to_pyvista(picture: Picture | NoiselessPicture) -> pv.ImageData:
     """Image of W x H x 1 points with a picture's arrays; the bottom row of the picture comes first.
 
     `image.plot(scalars="rgba", rgba=True, cpos="xy")` shows it.

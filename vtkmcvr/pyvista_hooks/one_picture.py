@@ -16,7 +16,8 @@ from ..front import TECHNIQUES
 from ..lights import Light
 from ..live import LiveSettings
 from ..live.reading import SceneReader
-from ..occlusion import OcclusionPicture, render_occlusion
+from ..noiseless import render_noiseless
+from ..noiseless_picture import NoiselessPicture
 from ..picture import Display, Picture
 from ..rendering import render_scene
 from ..scene import Scene
@@ -26,7 +27,7 @@ from ..vtk_props import volumes_of
 KITS = ("light kit", "three lights", "none")
 STOPS = ("samples", "nrms", "seconds")
 RUN = ("seed", "threads", "progress", "abort")
-LOOK = ("exposure", "lens", "scattering", "gradient_factor", "occlusion")
+LOOK = ("exposure", "lens", "scattering", "gradient_factor", "occlusion", "emission_absorption")
 
 
 @dataclass(frozen=True)
@@ -50,7 +51,7 @@ class View:
 
 def render(
     image: pv.ImageData, look: Look, view: View, behind: Any, options: dict[str, Any]
-) -> Picture | OcclusionPicture:
+) -> Picture | NoiselessPicture:
     """Picture of an image; see `accessor.ImageAccessor.render`."""
     technique = options.pop("technique", TECHNIQUES[0])
     if technique not in TECHNIQUES:
@@ -61,13 +62,17 @@ def render(
     )
     with _plotter(image, look, view, options) as plotter:
         scene = _scene(plotter, look, settings, view.window_size)
-    display = Display(settings.exposure_of(scene), behind)
     if technique == "monte-carlo":
+        display = Display(settings.exposure_of(scene), behind)
         return render_scene(scene, display=display, **how)
     unused = [name for name in (*STOPS, "seed") if how.get(name) is not None]
     if unused:
-        raise ValueError(f"technique occlusion has no {', '.join(unused)}: it takes no samples")
-    return render_occlusion(scene, settings.occlusion, display=display, **how)
+        raise ValueError(f"technique {technique} has no {', '.join(unused)}: it takes no samples")
+    how.pop("seed", None)
+    return render_noiseless(
+        technique, scene, settings.occlusion or settings.emission_absorption, settings.exposure,
+        settings.exposure_of(scene), behind, **how,
+    )  # fmt: skip
 
 
 @contextmanager

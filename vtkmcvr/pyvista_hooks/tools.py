@@ -168,7 +168,7 @@ def focus_distance(job: Any, column: int, row: int) -> float:
     if job is None:
         raise RuntimeError("there is no picture yet: show the plotter first")
     if not isinstance(job, Job):
-        raise ValueError("technique occlusion has no lens to focus")
+        raise ValueError("only technique monte-carlo has a lens to focus")
     height, width = job.film.count.shape
     if not (0 <= column < width and 0 <= row < height):
         raise ValueError(f"pixel ({column}, {row}) is not on the film of {width} x {height}")

@@ -1,0 +1,32 @@
+"""Whether camera paths of a scene can meet anything at all."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from . import packed
+from .adaptive import Density, goals
+from .plan_medium import NOWHERE
+
+# Of a picture without light that was given no number of samples
+SAMPLES = 16
+
+
+def nothing_seen(scene: packed.Scene) -> bool:
+    """Whether every path is black: all volumes transparent, and nothing beside or behind them."""
+    lights = scene.area_lights
+    around = (
+        scene.environment_visible
+        or scene.receivers is not None
+        or scene.backdrop is not None
+        or (lights is not None and lights.seen is not None)
+    )
+    media = [scene.medium, *(layer.medium for layer in scene.more or ())]
+    return not around and all(medium.active_hi[0] <= NOWHERE for medium in media)
+
+
+def fill_black(film: packed.Film, samples: int | None, density: Density | None) -> str:
+    """Bring a film up to its samples, all of them black. Returns what ended it."""
+    enough = goals(SAMPLES if samples is None else samples, film.count.shape, density)
+    np.maximum(film.count, enough, out=film.count)
+    return "dark" if samples is None else "samples"

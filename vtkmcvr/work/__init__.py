@@ -1,0 +1,1 @@
+"""What a scene makes kernels do: their work counted, their sources read a second time."""
