@@ -90,7 +90,10 @@ def test_phase_function_of_each_volume_is_its_own():
         None, medium(1.0).colour, extinction=medium(1.0).extinction, g=RISING
     )
     planned = plan(
-        scene(blob(9), medium(1.0), phase=HenyeyGreenstein(0.2), layers=Layer(blob(9), forward))
+        scene(
+            blob(9), medium(1.0), phase=HenyeyGreenstein(0.2), layers=Layer(blob(9), forward),
+            lights=(PointLight((0, 0, 9), 1.0),),
+        )  # fmt: skip
     )
     first, other = planned.packed.transfer, planned.packed.more[0].transfer
     assert (first.phase == np.float32(0.2)).all()
@@ -100,7 +103,9 @@ def test_phase_function_of_each_volume_is_its_own():
 
 def test_a_coat_anywhere_leaves_the_others_without_one():
     glossy = PlaneReceiver((0, 0, -2), (0, 0, 1), specular=0.2)
-    planned = plan(scene(blob(9), surface=Surface(specular=0.0), receivers=glossy)).packed
+    lit = (PointLight((0, 0, 9), 1.0),)
+    dull = Surface(specular=0.0)
+    planned = plan(scene(blob(9), surface=dull, receivers=glossy, lights=lit)).packed
     assert planned.gloss.specular == (0, 0, 0)
     assert plan(scene(blob(9), surface=Surface(specular=0.0))).packed.gloss is None
 
