@@ -89,11 +89,9 @@ def test_phase_function_of_each_volume_is_its_own():
     forward = TransferFunction(
         None, medium(1.0).colour, extinction=medium(1.0).extinction, g=RISING
     )
+    lit, other = (PointLight((0, 0, 9), 1.0),), Layer(blob(9), forward)
     planned = plan(
-        scene(
-            blob(9), medium(1.0), phase=HenyeyGreenstein(0.2), layers=Layer(blob(9), forward),
-            lights=(PointLight((0, 0, 9), 1.0),),
-        )  # fmt: skip
+        scene(blob(9), medium(1.0), phase=HenyeyGreenstein(0.2), layers=other, lights=lit)
     )
     first, other = planned.packed.transfer, planned.packed.more[0].transfer
     assert (first.phase == np.float32(0.2)).all()
