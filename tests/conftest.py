@@ -3,6 +3,7 @@
 With the environment variable VTKMCVR_NUMERICS, a file name, a run that passes leaves what its tests
 recorded there, for `hard_cases/numerics_page.py` to put it on the page.
 """
+
 import faulthandler
 import json
 import os

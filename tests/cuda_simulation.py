@@ -22,9 +22,7 @@ def main(source, target):
     films = []
     for scene, film, counts, seed in pickle.loads(Path(source).read_bytes()):
         rules = StopRules(int(counts.min()), None, None)
-        done, stopped_by, _ = launches.run(
-            CudaDevice(), scene, film, rules, seed, counts=counts
-        )
+        done, stopped_by, _ = launches.run(CudaDevice(), scene, film, rules, seed, counts=counts)
         assert stopped_by == "samples"
         films.append(done)
     Path(target).write_bytes(pickle.dumps(films))

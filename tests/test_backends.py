@@ -154,9 +154,7 @@ def test_missing_driver(monkeypatch, asked_anew):
 def test_missing_device_or_compiler(monkeypatch, asked_anew, text):
     monkeypatch.setattr(available, "find_spec", lambda name: True)
     monkeypatch.setattr(available, "_driver_found", lambda: True)
-    monkeypatch.setattr(
-        available, "_device_missing", lambda: text if text == "no device" else None
-    )
+    monkeypatch.setattr(available, "_device_missing", lambda: text if text == "no device" else None)
     monkeypatch.setattr(available, "_toolkit_missing", lambda: text)
     assert available.missing() == text
 

@@ -194,9 +194,7 @@ def _distances(to_world: packed.Matrix, ball: NDArray, spans: list) -> tuple[NDA
     corners = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * half
     reach = np.linalg.norm(corners @ m.T, axis=1).max()
     x, y, z = middle
-    square = sum(
-        (row[0] * x + row[1] * y[:, None] + row[2] * z[:, None, None]) ** 2 for row in m
-    )
+    square = sum((row[0] * x + row[1] * y[:, None] + row[2] * z[:, None, None]) ** 2 for row in m)
     distance = np.sqrt(square)
     return distance - reach, distance + reach
 

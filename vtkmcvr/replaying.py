@@ -120,9 +120,7 @@ def _density(part: dict[str, Any], size: tuple[int, int]) -> Density | None:
     return density
 
 
-def _verdict(
-    bits: str, part: dict[str, Any], backend: str = "cpu"
-) -> tuple[bool, tuple[str, ...]]:
+def _verdict(bits: str, part: dict[str, Any], backend: str = "cpu") -> tuple[bool, tuple[str, ...]]:
     identical = bits == part.get("film")
     notes = []
     if backend != part.get("backend", "cpu"):

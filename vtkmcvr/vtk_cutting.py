@@ -117,9 +117,7 @@ def clip_of(mapper: vtkVolumeMapper) -> tuple[Shape, ...]:
     return () if planes is None else shapes_of(planes)
 
 
-def cropping_of(
-    mapper: vtkVolumeMapper, image: vtkImageData, volume: Volume
-) -> Cropping | None:
+def cropping_of(mapper: vtkVolumeMapper, image: vtkImageData, volume: Volume) -> Cropping | None:
     """Cropping regions of a volume mapper, None where cropping is off.
 
     VTK gives the planes as origin + index * spacing along the volume's own axes; where the image

@@ -35,9 +35,7 @@ def paths(benchmark, scene):
     planned = plan(scene)
     render_scene(planned, samples=1, threads=1, backend="cpu")
     benchmark.extra_info["paths"] = SIZE[0] * SIZE[1] * SAMPLES
-    picture = benchmark(
-        lambda: render_scene(planned, samples=SAMPLES, threads=1, backend="cpu")
-    )
+    picture = benchmark(lambda: render_scene(planned, samples=SAMPLES, threads=1, backend="cpu"))
     assert picture.alpha.any()
 
 

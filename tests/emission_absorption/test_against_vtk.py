@@ -250,5 +250,3 @@ def test_real_protein_by_scalar_and_gradient():
     prop.SetTransferFunction2D(function_2d())
     prop.SetScalarOpacityUnitDistance(0.1)
     assert compared(data, prop, camera, distance=0.1) < 2
-
-

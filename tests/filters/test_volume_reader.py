@@ -77,9 +77,7 @@ def test_reads_once_and_again_when_something_changed(
 
     read: list[object] = []
     original = module.read_vtk
-    monkeypatch.setattr(
-        module, "read_vtk", lambda *a, **k: read.append(a) or original(*a, **k)
-    )
+    monkeypatch.setattr(module, "read_vtk", lambda *a, **k: read.append(a) or original(*a, **k))
     path = save(tmp_path / "a.nrrd")
     reader = VolumeReader(file_name=path)
     for _ in range(3):

@@ -99,9 +99,7 @@ def damaged(data: bytes, source: random.Random) -> bytes:
         elif kind == 3:
             width = source.choice("BHI")
             limit = (1 << 8 * struct.calcsize(width)) - 1
-            number = struct.pack(
-                source.choice("<>") + width, min(source.choice(NUMBERS), limit)
-            )
+            number = struct.pack(source.choice("<>") + width, min(source.choice(NUMBERS), limit))
             changed[at : at + len(number)] = number
         elif kind == 4:
             changed[at : at + source.randint(0, 5)] = source.choice(WORDS)

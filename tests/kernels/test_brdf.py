@@ -205,7 +205,9 @@ def test_no_surface_without_a_gradient():
     values[:, :, :8] = 0
     parts = plan(
         scene(
-            volume(values), TransferFunction(Curve([(0, 0.6)]), WHITE), lights=SKY,
+            volume(values),
+            TransferFunction(Curve([(0, 0.6)]), WHITE),
+            lights=SKY,
             surface=Surface(mode="brdf"),
         )
     ).packed

@@ -8,7 +8,7 @@ from test_jit import python
 from vtkmcvr.kernels.linked import DeviceLibrary
 from vtkmcvr.kernels.vec import dot
 
-MODULE = '''
+MODULE = """
 import numpy as np
 from vtkmcvr.kernels.jit import device, kernel
 
@@ -42,7 +42,7 @@ def run(function):
     function(out)
     hits = (sum(f.stats.cache_hits.values()) for f in (function, sum_of_cubes, cubed))
     print(out[0], *hits)
-'''
+"""
 
 
 def test_a_function_of_kernels_cannot_be_called_from_python():

@@ -1,6 +1,6 @@
 """One scene with a medium and opaque shapes, for both renderers; as a program, Mitsuba's picture.
 
-    python mitsuba_receivers.py sigma_t.npy out.npz PASSES SAMPLES MAX_DEPTH
+python mitsuba_receivers.py sigma_t.npy out.npz PASSES SAMPLES MAX_DEPTH
 """
 
 from __future__ import annotations

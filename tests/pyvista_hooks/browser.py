@@ -79,9 +79,7 @@ class Page:
 
     async def drag(self, start, end, steps=8):
         async def mouse(kind, place, **more):
-            await self.call(
-                "Input.dispatchMouseEvent", type=kind, x=place[0], y=place[1], **more
-            )
+            await self.call("Input.dispatchMouseEvent", type=kind, x=place[0], y=place[1], **more)
 
         await mouse("mousePressed", start, button="left", clickCount=1)
         for step in range(1, steps + 1):

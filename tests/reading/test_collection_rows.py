@@ -97,4 +97,3 @@ def test_rows_that_the_headers_correct() -> None:
 @pytest.mark.parametrize("name", [name for name in REFUSED if name in ROWS])
 def test_row_is_refused(name: str) -> None:
     assert REFUSED[name] in error_of(DATA / name)
-

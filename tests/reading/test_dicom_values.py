@@ -366,5 +366,3 @@ def test_errors_of_a_progress_callback_reach_the_caller(tmp_path: Path) -> None:
 
     with pytest.raises(KeyboardInterrupt):
         read_vtk(write_series(tmp_path / "a"), progress=stop)
-
-

@@ -102,12 +102,15 @@ def test_pictures_and_recipes_are_clean(series: Path, tmp_path: Path) -> None:
     told = run("-m", "vtkmcvr", "render", str(series), "-o", str(out / "a.npz"), *small,
                "--json", str(out / "render.json"))  # fmt: skip
     told += run("-m", "vtkmcvr", "info", str(series), "--json", str(out / "info.json"))
-    told += run("-c", f"""
+    told += run(
+        "-c",
+        f"""
 import vtkmcvr
 picture = vtkmcvr.render(vtkmcvr.read({str(series)!r}), samples=1, size=(8, 8), threads=1)
 for name in ("a.png", "a.vti"):
     picture.save({str(out)!r} + "/" + name)
-print(picture, picture.recipe, picture.plan.explain())""")
+print(picture, picture.recipe, picture.plan.explain())""",
+    )
     assert_clean(told)
     assert len(list(out.iterdir())) == 5
     for path in out.iterdir():

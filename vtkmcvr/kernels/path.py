@@ -59,9 +59,7 @@ def scattered_light(scattering, scene, v, rng):
         # A light, or the next collision or receiver
         met, distance = light_met(scene, scene.choice, v, wi)
         d = transform(scene.medium.index_from_world, wi)
-        t, v, rng = next_event(
-            scene, wide(v.x), wi, wide(v.p), wide(d), 0.0, distance, rng
-        )
+        t, v, rng = next_event(scene, wide(v.x), wi, wide(v.p), wide(d), 0.0, distance, rng)
         if t < 0.0:
             L = add(L, mul(throughput, met))
             break

@@ -54,9 +54,7 @@ def phase_at(phase, transfer, shape, scalar):
 
 
 @glue
-def medium_vertex(
-    medium, transfer, surface, gloss, phase, x, p, place, wo, scalar, sigma_t, rng
-):
+def medium_vertex(medium, transfer, surface, gloss, phase, x, p, place, wo, scalar, sigma_t, rng):
     """Vertex of a collision in a medium, at its index position `place`. Returns (vertex, rng)."""
     transfer = of_label(medium.labels, transfer, place)
     albedo = colour(transfer.colour_grid, transfer.table_2d, medium, transfer, place, scalar)

@@ -119,9 +119,7 @@ class LiveSettings:
             object.__setattr__(self, "lighting", lights)
         _one_of("lens", (self.lens,), Lens, type(None))
         _one_of("occlusion", (self.occlusion,), Occlusion, type(None))
-        _one_of(
-            "emission_absorption", (self.emission_absorption,), EmissionAbsorption, type(None)
-        )
+        _one_of("emission_absorption", (self.emission_absorption,), EmissionAbsorption, type(None))
         check_settings(
             self.technique, occlusion=self.occlusion, emission_absorption=self.emission_absorption
         )

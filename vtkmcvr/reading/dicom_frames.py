@@ -150,4 +150,3 @@ def _moved(frame: Frame, first: Plane, along: float) -> Frame:
     columns, rows = np.reshape(first.orientation, (2, 3))
     position = np.array(first.position) + along * np.cross(columns, rows)
     return replace(frame, plane=replace(first, position=tuple(float(x) for x in position)))
-

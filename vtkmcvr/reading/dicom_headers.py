@@ -156,9 +156,7 @@ def read_dataset(file: Path, tags: Sequence[str] | None = None) -> tuple[Any, in
         ) from None
 
 
-def header_from_dataset(
-    file: Path, dataset: Any, raw: RawHeader, offset: int
-) -> FileHeader | None:
+def header_from_dataset(file: Path, dataset: Any, raw: RawHeader, offset: int) -> FileHeader | None:
     """Return the facts about an image file, or None if the file holds no image."""
     rows, columns = integer_of(raw, "Rows"), integer_of(raw, "Columns")
     if not rows or not columns:
@@ -218,4 +216,3 @@ def rescale_from(dataset: Any) -> tuple[float, float] | None:
 def storage_class(dataset: Any) -> str:
     """Return the kind of object that the file says it stores."""
     return text_of(RawHeader(dataset.file_meta), "MediaStorageSOPClassUID")
-

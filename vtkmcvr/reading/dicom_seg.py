@@ -19,7 +19,6 @@ from .source import VolumeSource
 from .volume import LoadedVolume
 
 if TYPE_CHECKING:
-
     from .dicom_headers import FileHeader, Frame
     from .options import ReadOptions
 
@@ -29,9 +28,7 @@ SEGMENTATION_CLASS = {BITS_CLASS, LABEL_MAP_CLASS}
 GRID_TOLERANCE = 0.02
 
 
-def segmentation_source(
-    header: FileHeader, options: ReadOptions, noted: list[str]
-) -> VolumeSource:
+def segmentation_source(header: FileHeader, options: ReadOptions, noted: list[str]) -> VolumeSource:
     """Judge a segmentation file by its header.
 
     Raises

@@ -89,9 +89,7 @@ def sort_volumes(frames: Sequence[Frame], label: str, options: ReadOptions) -> V
 # What is left out
 
 
-def _kept(
-    frames: list[Frame], label: str, options: ReadOptions
-) -> tuple[list[Frame], list[str]]:
+def _kept(frames: list[Frame], label: str, options: ReadOptions) -> tuple[list[Frame], list[str]]:
     noted: list[str] = []
     placed = [frame for frame in frames if frame.plane is not None]
     if len(placed) < len(frames):

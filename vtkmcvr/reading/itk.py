@@ -11,7 +11,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 
-
 @contextlib.contextmanager
 def quiet_itk() -> Iterator[Any]:
     """Yield the SimpleITK module with its warnings on stderr switched off meanwhile."""

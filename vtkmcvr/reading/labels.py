@@ -58,9 +58,7 @@ def name_labels(source: Path, volume: LoadedVolume, table: Path | None) -> None:
     named = {segment.value for segment in volume.segments}
     present = [int(value) for value in np.unique(volume.values) if value]
     volume.segments += [
-        Segment(value, str(value), spread_colour(value))
-        for value in present
-        if value not in named
+        Segment(value, str(value), spread_colour(value)) for value in present if value not in named
     ]
 
 

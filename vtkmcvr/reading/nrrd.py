@@ -174,9 +174,7 @@ def _ordered(header: NrrdHeader, stored: NDArray[Any]) -> NDArray[Any]:
     return ordered.reshape(-1, *ordered.shape[len(header.volume) :])
 
 
-def _flattened(
-    values: NDArray[Any], pairs: dict[str, str], noted: list[str]
-) -> NDArray[Any]:
+def _flattened(values: NDArray[Any], pairs: dict[str, str], noted: list[str]) -> NDArray[Any]:
     """Return the layers of a Slicer segmentation as one label map, later segments on top."""
     if values.ndim == 5:
         values = np.moveaxis(values[0], -1, 0)

@@ -23,7 +23,6 @@ IGNORABLE = {
 UNITS = ("suv",)
 
 
-
 def no_progress(fraction: float, text: str) -> None:
     """Report nothing."""
 

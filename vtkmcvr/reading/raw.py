@@ -131,4 +131,3 @@ def open_raw(source: Path, options: ReadOptions) -> VolumeSource:
         )
 
     return VolumeSource(size=layout.size, memory=2 * count * kind.itemsize, load=load)
-

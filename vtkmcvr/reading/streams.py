@@ -41,9 +41,7 @@ def check_promise(source: Path, files: Sequence[Path], packing: str, promised: i
         )
 
 
-def fill(
-    source: Path, stream: Any, target: NDArray[Any], report: Callable[[float], None]
-) -> None:
+def fill(source: Path, stream: Any, target: NDArray[Any], report: Callable[[float], None]) -> None:
     """Fill a contiguous array from a stream.
 
     Parameters

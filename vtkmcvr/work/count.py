@@ -64,7 +64,6 @@ WORK: dict[str, dict[str, int]] = {
 }  # fmt: skip
 
 
-
 @dataclass(frozen=True)
 class Work:
     """What some camera paths of a scene did.

@@ -29,9 +29,7 @@ _numbers = itertools.count()
 _lock = threading.Lock()
 
 
-def load_kernels(
-    module: str, decorators: Decorators, rewrite: Rewrite | None = None
-) -> ModuleType:
+def load_kernels(module: str, decorators: Decorators, rewrite: Rewrite | None = None) -> ModuleType:
     """Load a module of `vtkmcvr.kernels`, and what it imports, once more.
 
     Parameters
