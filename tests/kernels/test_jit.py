@@ -126,3 +126,23 @@ def test_no_kernel_uses_doubles_by_accident():
     for kernel, args in ((brdf_pdf, (None, v, v, v)), (phase_value, (None, v, v))):
         assert isinstance(compiled(kernel)(*args), float)
         assert all(str(o.signature.return_type) == "float32" for o in kernel.overloads.values())
+
+
+def test_a_data_file_under_another_number_is_not_run(tmp_path):
+    # Two processes that read the same index, and give the next number to different types
+    first, second = (jit.CheckedCacheFile(tmp_path, "kernel", "stamp") for _ in range(2))
+    first.save("float", "code for floats")
+    index = (tmp_path / "kernel.nbi").read_bytes()
+    second.flush()
+    second.save("int", "code for ints")
+    assert second.load("int") == "code for ints"
+    (tmp_path / "kernel.nbi").write_bytes(index)
+    assert first.load("float") is None
+    first.save("float", "code for floats")
+    assert first.load("float") == "code for floats"
+    # Another version's file, or none that can be read, under the same number
+    second._version = "another"
+    second._save_data("kernel.1.nbc", ("another", "float", "old code"))
+    assert first.load("float") is None
+    (tmp_path / "kernel.1.nbc").write_bytes(b"cut off")
+    assert first.load("float") is None

@@ -1,4 +1,4 @@
-"""Every Numba option of the project, and the stamp that keeps its on-disk cache honest.
+"""Every Numba option of the project, and what keeps its on-disk cache honest.
 
 Numba's own cache looks at the file that holds a function and not at the functions it calls: after
 an edit of `grid.py`, a cached `path.py` would go on running the old code. Here all kernels carry
@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import functools
 import hashlib
+import pickle
 from collections.abc import Callable
 from pathlib import Path
 
 from numba import njit
-from numba.core.caching import FunctionCache
+from numba.core.caching import FunctionCache, IndexDataCacheFile
 from numba.core.registry import CPUDispatcher
 
 from .linked import DeviceCacheImpl, DeviceCompiler, KernelCompiler
@@ -32,6 +33,33 @@ def source_stamp() -> str:
     return digest.hexdigest()
 
 
+class CheckedCacheFile(IndexDataCacheFile):
+    """Index and data files of a function, where a data file says what it holds.
+
+    Numba numbers data files by what it has read of the index. Two processes that compile at once
+    may give one number to two combinations of types, and one of them would then run the other's
+    machine code; or meet a file that an older source has left under that number.
+    """
+
+    def save(self, key, data):
+        """Save what was compiled for some types."""
+        super().save(key, (self._version, key, data))
+
+    def load(self, key):
+        """Load what was compiled for some types; None where there is nothing, or something else."""
+        try:
+            found = super().load(key)
+        except UNREADABLE:
+            return None
+        if not isinstance(found, tuple) or found[:2] != (self._version, key):
+            return None
+        return found[2]
+
+
+# What unpickling a file of other sources may raise
+UNREADABLE = (pickle.UnpicklingError, EOFError, AttributeError, ImportError, LookupError, TypeError)
+
+
 class _StampedCache(FunctionCache):
     """Numba's on-disk cache, fresh while neither its file nor a kernel source has changed.
 
@@ -41,6 +69,9 @@ class _StampedCache(FunctionCache):
 
     def __init__(self, py_func: Callable):
         super().__init__(py_func)
+        self._cache_file = CheckedCacheFile(
+            self._cache_path, self._impl.filename_base, self._impl.locator.get_source_stamp()
+        )
         self._cache_file._version = f"{self._cache_file._version} {source_stamp()}"
 
 
