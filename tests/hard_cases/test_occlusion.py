@@ -6,7 +6,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scenes import BOX, blob, frontal, medium, noise, scene, slab, volume
-from techniques import SKY, by_occlusion, every_technique, picture_by, relative_difference
+from techniques import (
+    EMISSION_ABSORPTION,
+    OCCLUSION,
+    SKY,
+    by_occlusion,
+    every_technique,
+    picture_by,
+    relative_difference,
+)
+
 
 from vtkmcvr.occlusion import Occlusion, render_occlusion
 from vtkmcvr.scene import Camera, Volume
@@ -91,6 +100,35 @@ def test_hc85_thousands_of_faint_slices(record):
     got = middle(render_occlusion(lit, Occlusion(0, slices=5000)))
     expected = -math.expm1(-0.1) / 2
     record("HC-85", "5000 slices of 1e-5", "occlusion default", expected, got, 1e-3 * expected)
+
+
+@pytest.mark.parametrize("exponent", [-20, -34, -38, -41])
+@pytest.mark.parametrize("technique", [*OCCLUSION, "occlusion fast", EMISSION_ABSORPTION])
+def test_hc85_media_fainter_than_single_precision_inverts(record, technique, exponent):
+    # A scalar from 0 to 1 along the ray: optical depth, and alpha, sigma L / 2; albedo 0.5. Below
+    # 1e-38 numbers have fewer digits (spaced by 1.4e-45), and below 3e-39 no finite inverse
+    sigma = 10.0**exponent
+    ramp = np.broadcast_to(np.linspace(0, 1, 9, dtype=np.float32)[:, None], (9, 9, 9))
+    lit = scene(volume(ramp, (0.5,) * 3), medium(sigma, 0.5), frontal(0.9), (3, 3), lights=SKY)
+    picture = picture_by(technique, lit)
+    expected = sigma * 4 / 2
+    tolerance = 0.02 * expected + 32 * 1.4e-45
+    what = f"ramp of 1e{exponent}"
+    record("HC-85", f"{what}, alpha", technique, expected, picture.alpha[1, 1], tolerance)
+    if "occlusion" in technique:
+        record("HC-85", f"{what}, light", technique, expected / 2, middle(picture), tolerance)
+    assert picture.rejected_samples == 0
+
+
+@by_occlusion
+def test_hc90_alpha_does_not_round_above_one(technique):
+    # Sums of 32-bit numbers to 1 + 1e-7 were seen in many layers of an opaque medium
+    vol = volume(np.random.default_rng(3).random((33, 65, 33), np.float32), (1 / 32,) * 3)
+    for sigma_t in (30.0, 60.0, 200.0):
+        lit = scene(vol, medium(sigma_t), frontal(0.3), (64, 64), lights=SKY)
+        picture = picture_by(technique, lit)
+        assert picture.alpha.max() <= 1
+        assert picture.alpha.min() > 0.99
 
 
 @every_technique

@@ -92,11 +92,12 @@ def albedo_there(mixed, medium, transfer, integrals, layers, layer, row, column,
             transfer.colour_grid, transfer.table_2d, medium.labels, medium, transfer, integrals,
             layers.front[layer, row, column], layers.back[layer, row, column], p,
         )  # fmt: skip
-    inverse = ONE / layers.depth[layer, row, column]
+    # Not by the inverse, which is infinite for a faint medium
+    depth = layers.depth[layer, row, column]
     return (
-        mixed[0, layer, row, column] * inverse,
-        mixed[1, layer, row, column] * inverse,
-        mixed[2, layer, row, column] * inverse,
+        mixed[0, layer, row, column] / depth,
+        mixed[1, layer, row, column] / depth,
+        mixed[2, layer, row, column] / depth,
     )
 
 

@@ -120,13 +120,14 @@ def mean_albedo(integrals, first, x, y):
     last = i32(integrals.last)
     i, j = min(i32(x), last - i32(1)), min(i32(y) + i32(1), last)
     a, b = index(first + i), index(first + j)
-    total = f32(integrals.depth[b] - integrals.depth[a])
-    if j - i <= i32(2) or not total > ZERO:
+    # In double precision throughout: the inverse of what is faint in single precision is infinite
+    total = integrals.depth[b] - integrals.depth[a]
+    if j - i <= i32(2) or not total > f64(0.0):
         c = index(first + i32(HALF * (x + y) + HALF))
         return integrals.colour[c, 0], integrals.colour[c, 1], integrals.colour[c, 2]
-    inverse = ONE / total
+    inverse = f64(1.0) / total
     return (
-        f32(integrals.light[b, 0] - integrals.light[a, 0]) * inverse,
-        f32(integrals.light[b, 1] - integrals.light[a, 1]) * inverse,
-        f32(integrals.light[b, 2] - integrals.light[a, 2]) * inverse,
+        f32((integrals.light[b, 0] - integrals.light[a, 0]) * inverse),
+        f32((integrals.light[b, 1] - integrals.light[a, 1]) * inverse),
+        f32((integrals.light[b, 2] - integrals.light[a, 2]) * inverse),
     )

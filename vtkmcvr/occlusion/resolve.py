@@ -24,6 +24,8 @@ def resolve(film: packed.OcclusionFilm, fine: int, pixel_filter: PixelFilter) ->
     whole = np.where(film.share > 0, film.alpha / np.where(film.share > 0, film.share, 1), 0)
     radiance = _filtered(film.radiance * whole[..., None], fine, weights)
     alpha, depth = (_filtered(a, fine, weights) for a in (film.alpha, film.depth))
+    # A view ray's opacity is summed layer by layer, and rounded each time: not above one
+    alpha = np.minimum(alpha, np.float32(1))
     seen = alpha > 0
     arrays = {
         "radiance": radiance,
