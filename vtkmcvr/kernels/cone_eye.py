@@ -90,6 +90,16 @@ def look(perspective, layers, eye, film, image, before, opaque, limited, layer, 
     return brightest
 
 
+@device
+def all_dark(light, image, opaque, row_0, row_1):
+    """Whether no view ray of some rows sees any more."""
+    for row in range(max(row_0, image[1]), min(row_1, image[3])):
+        for column in range(max(image[0], 0), min(image[2], light.shape[1])):
+            if light[row, column] > opaque:
+                return False
+    return True
+
+
 @kernel
 def look_rows(
     perspective, block, layers, filled, visible, eye, film, image, opaque, limited, tiers, row_0,
@@ -99,7 +109,7 @@ def look_rows(
 
     `image` is (first column, first row, end column, end row) of what the eye sees; the layers may
     reach beyond it. Rays whose transmittance is below `opaque` see no more. `tiers`: whether
-    stretches that count less than `FAINT` are marked as such.
+    stretches that count less than `FAINT` are marked as such. Returns whether no ray goes on.
     """
     columns = layers.depth.shape[2]
     for layer in range(layers.depth.shape[0]):
@@ -121,3 +131,4 @@ def look_rows(
                 if brightest > ZERO:
                     visible.flags[layer, row, segment] = 1 if tiers and brightest < FAINT else 2
     find_runs(visible, columns, row_0, row_1)
+    return all_dark(eye.light, image, opaque, row_0, row_1)

@@ -14,87 +14,95 @@ f32, i32, index = np.float32, np.int32, np.uintp
 ZERO, HALF, ONE, TWO = f32(0.0), f32(0.5), f32(1.0), f32(2.0)
 
 
-@kernel
-def blur_rows(source, target, width, row_0, row_1):
-    """Mean over a window of real width along some rows, by running sums: any width costs the same.
+@device
+def blur_rows(source, target, width):
+    """Mean over a window of real width along rows, by running sums: any width costs the same.
 
     A window of width w covers the pixel, whole pixels to both sides and a part of one more; its
     variance is close to (w^2 - 1) / 12. Nothing is missing beyond the ends.
     """
-    columns = source.shape[1]
+    rows, columns = source.shape
     reach = i32((width - ONE) * HALF)
     rest = (width - ONE) * HALF - f32(reach)
     scale = ONE / width
-    for row in range(row_0, row_1):
+    for row in range(rows):
         total = ZERO
         for i in range(min(reach, columns)):
             total += source[row, i]
         for i in range(columns):
             ahead = source[row, i + reach] if i + reach < columns else ZERO
-            total += ahead
             left = source[row, i - reach - 1] if i - reach - 1 >= 0 else ZERO
             right = source[row, i + reach + 1] if i + reach + 1 < columns else ZERO
+            # One sum: each waits for the one before
+            total += ahead - left
             target[row, i] = (total + rest * (left + right)) * scale
-            total -= source[row, i - reach] if i - reach >= 0 else ZERO
 
 
-@kernel
-def blur_columns(source, target, running, width, first, last):
-    """The same along some columns; `running` keeps the sums of all columns."""
-    rows = source.shape[0]
+@device
+def blur_columns(source, target, running, width):
+    """The same along columns; `running` keeps the sums of all columns."""
+    rows, columns = source.shape
     reach = i32((width - ONE) * HALF)
     rest = (width - ONE) * HALF - f32(reach)
     scale = ONE / width
-    for i in range(first, last):
+    for i in range(columns):
         running[index(i)] = ZERO
     for row in range(min(reach, rows)):
-        for i in range(first, last):
+        for i in range(columns):
             running[index(i)] += source[row, index(i)]
     for row in range(rows):
         if row + reach < rows:
-            for i in range(first, last):
+            for i in range(columns):
                 running[index(i)] += source[row + reach, index(i)]
-        for i in range(first, last):
+        for i in range(columns):
             target[row, index(i)] = running[index(i)] * scale
         if row - reach - 1 >= 0:
-            for i in range(first, last):
+            for i in range(columns):
                 target[row, index(i)] += rest * scale * source[row - reach - 1, index(i)]
         if row + reach + 1 < rows:
-            for i in range(first, last):
+            for i in range(columns):
                 target[row, index(i)] += rest * scale * source[row + reach + 1, index(i)]
         if row - reach >= 0:
-            for i in range(first, last):
+            for i in range(columns):
                 running[index(i)] -= source[row - reach, index(i)]
 
 
+@device
+def single_layer(perspective, kappa, missing, depth, tinted, filled, visible, layer, light):
+    """What the eye sees of the light in a layer, and the light behind it."""
+    for run in range(visible.first[layer], visible.first[layer + 1]):
+        row, start, end = visible.listed[run, 0], visible.listed[run, 1], visible.listed[run, 2]
+        slot = visible.slot[run] - start
+        for column in range(start, end):
+            oblique = eye_secant(perspective, row, column)
+            path = oblique * (
+                depth[layer, row, index(column)] + kappa * tinted[layer, row, index(column)]
+            )
+            V = ONE - missing[row, index(column)]
+            light[index(slot + column)] = V * mean_transmitted(path)
+    for run in range(filled.first[layer], filled.first[layer + 1]):
+        row, start, end = filled.listed[run, 0], filled.listed[run, 1], filled.listed[run, 2]
+        for column in range(start, end):
+            oblique = eye_secant(perspective, row, column)
+            T = transmitted(kappa * oblique * tinted[layer, row, index(column)])
+            missing[row, index(column)] = ONE - (ONE - missing[row, index(column)]) * T
+
+
 @kernel
-def single_layers(
-    perspective, kappa, missing, depth, tinted, filled, visible, layers, light, row_0, row_1
+def blurred_layers(
+    perspective, kappa, missing, other, running, depth, tinted, filled, visible, widths, light
 ):
-    """What the eye sees of the light in layers `layers[0]` to `[1]`, and the light behind them.
+    """Take the light of one colour through a block of layers.
 
     `kappa` is the optical depth of the cone's mean path over that of its axis: it gives the exact
-    value of a half-space (HC-83).
+    value of a half-space (HC-83). `widths` are the windows of the blur behind each layer, pixels,
+    along rows and then columns; 0: none.
     """
-    for layer in range(layers[0], layers[1]):
-        for run in range(visible.first[layer], visible.first[layer + 1]):
-            row, start, end = visible.listed[run, 0], visible.listed[run, 1], visible.listed[run, 2]
-            if row_0 <= row < row_1:
-                slot = visible.slot[run] - start
-                for column in range(start, end):
-                    oblique = eye_secant(perspective, row, column)
-                    path = oblique * (
-                        depth[layer, row, index(column)] + kappa * tinted[layer, row, index(column)]
-                    )
-                    V = ONE - missing[row, index(column)]
-                    light[index(slot + column)] = V * mean_transmitted(path)
-        for run in range(filled.first[layer], filled.first[layer + 1]):
-            row, start, end = filled.listed[run, 0], filled.listed[run, 1], filled.listed[run, 2]
-            if row_0 <= row < row_1:
-                for column in range(start, end):
-                    oblique = eye_secant(perspective, row, column)
-                    T = transmitted(kappa * oblique * tinted[layer, row, index(column)])
-                    missing[row, index(column)] = ONE - (ONE - missing[row, index(column)]) * T
+    for layer in range(depth.shape[0]):
+        single_layer(perspective, kappa, missing, depth, tinted, filled, visible, layer, light)
+        if widths[layer] > ZERO:
+            blur_rows(missing, other, widths[layer])
+            blur_columns(other, missing, running, widths[layer])
 
 
 @device

@@ -4,18 +4,12 @@ from __future__ import annotations
 
 import itertools
 import math
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..kernels.cone_single import (
-    blur_columns,
-    blur_rows,
-    published_read,
-    published_update,
-    single_layers,
-)
+from ..kernels.cone_single import blurred_layers, published_read, published_update
 from ..pack import f32
 from .raster import Raster
 from .sweep import Block
@@ -74,51 +68,34 @@ class Blurred:
         self.running = np.zeros((colours, raster.columns), f32)
 
     def through(
-        self, block: Block, sums: NDArray, weights: NDArray, pool: ThreadPoolExecutor
-    ) -> None:
-        """Take the light through a block of layers."""
+        self, block: Block, sums: NDArray, weights: NDArray, slots: int, pool: ThreadPoolExecutor
+    ) -> list[Future[None]]:
+        """Begin to take the light through a block of layers, each colour in one go.
+
+        While it goes on, other threads fill the next block: nobody waits for parts of a blur.
+        """
         weights[:] = 1
-        first = 0
-        for index in range(block.size):
-            self.pending += self.variance_at(block.start + index)
-            last = index == block.size - 1
-            if self.pending >= BLUR or last:
-                self._attenuate(block, first, index + 1, sums, pool)
-                first = index + 1
-            if self.pending >= BLUR:
-                self._blur(pool)
+        widths = np.array([self._width(block.start + i) for i in range(block.size)], f32)
+        return [
+            pool.submit(self._colour, block, c, widths, sums[0, c]) for c in range(self.colours)
+        ]
 
-    def _attenuate(
-        self, block: Block, first: int, last: int, sums: NDArray, pool: ThreadPoolExecutor
-    ) -> None:
-        """Take the light through some layers, straight on."""
+    def _colour(self, block: Block, c: int, widths: NDArray, light: NDArray) -> None:
         layers = block.layers
+        blurred_layers(
+            self.raster.perspective, f32(self.kappa), self.missing[c], self.other[c],
+            self.running[c], layers.depth, layers.depth if layers.tinted is None else
+            layers.tinted[c], block.filled, block.visible, widths, light,
+        )  # fmt: skip
 
-        def strip(rows: tuple[int, int]) -> None:
-            for c in range(self.colours):
-                single_layers(
-                    self.raster.perspective, f32(self.kappa), self.missing[c], layers.depth,
-                    layers.depth if layers.tinted is None else layers.tinted[c], block.filled,
-                    block.visible, (first, last), sums[0, c], *rows,
-                )  # fmt: skip
-
-        list(pool.map(strip, _strips(self.raster.rows)))
-
-    def _blur(self, pool: ThreadPoolExecutor) -> None:
-        """Blur by what is pending: a window of the same variance along rows, then columns."""
-        width = f32(min(math.sqrt(1 + 12 * self.pending), 2.0 * max(self.missing.shape[1:])))
+    def _width(self, number: int) -> float:
+        """Window of the blur behind a layer, of the variance that waits; 0: not yet."""
+        self.pending += self.variance_at(number)
+        if self.pending < BLUR:
+            return 0.0
+        width = min(math.sqrt(1 + 12 * self.pending), 2.0 * max(self.missing.shape[1:]))
         self.pending = 0.0
-
-        def rows(strip: tuple[int, int]) -> None:
-            for c in range(self.colours):
-                blur_rows(self.missing[c], self.other[c], width, *strip)
-
-        def columns(strip: tuple[int, int]) -> None:
-            for c in range(self.colours):
-                blur_columns(self.other[c], self.missing[c], self.running[c], width, *strip)
-
-        list(pool.map(rows, _strips(self.raster.rows)))
-        list(pool.map(columns, _strips(self.raster.columns)))
+        return width
 
     def variance_at(self, number: int) -> float:
         """Variance of the blur behind a layer, pixels squared."""
@@ -163,8 +140,8 @@ class Published:
         self.other = np.zeros_like(self.missing)
 
     def through(
-        self, block: Block, sums: NDArray, weights: NDArray, pool: ThreadPoolExecutor
-    ) -> None:
+        self, block: Block, sums: NDArray, weights: NDArray, slots: int, pool: ThreadPoolExecutor
+    ) -> list[Future[None]]:
         """Take the light through a block of layers, one by one."""
         weights[:] = 1
         raster = self.raster
@@ -188,3 +165,4 @@ class Published:
 
             list(pool.map(update, _strips(raster.rows)))
             self.missing, self.other = self.other, self.missing
+        return []

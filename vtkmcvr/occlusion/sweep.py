@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass, field
-from time import perf_counter
+from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -22,6 +21,8 @@ from .raster import Raster
 
 # Layers worked on at a time, and most pixels of them
 MOST_LAYERS, BLOCK_PIXELS = 8, 2**22
+# Strips of rows to each thread: more even out what there is in them
+STRIPS = 2
 
 Strip = tuple[int, int]
 
@@ -36,14 +37,11 @@ class Work:
         Pixels times layers: what a loop over everything visits.
     looked_up, seen : int
         Of these, those in which the scalar was looked up, and those that the eye saw.
-    seconds : dict
-        By stage; stages overlap on several threads.
     """
 
     naive: int = 0
     looked_up: int = 0
     seen: int = 0
-    seconds: dict[str, float] = field(default_factory=lambda: dict.fromkeys(("wait", "light"), 0.0))
 
 
 class Block(NamedTuple):
@@ -69,11 +67,11 @@ class Light(Protocol):
     relief: bool
 
     def through(
-        self, block: Block, sums: NDArray, weights: NDArray, pool: ThreadPoolExecutor
-    ) -> None:
-        """Take the light through a block; write what the eye sees of it, by slot.
+        self, block: Block, sums: NDArray, weights: NDArray, slots: int, pool: ThreadPoolExecutor
+    ) -> list[Future[None]]:
+        """Begin to take the light through a block; write what the eye sees of it, by slot.
 
-        `sums` (groups, colours, slots), `weights` (groups, segments, 2).
+        `sums` (groups, colours, >= slots), `weights` (groups, >= segments, 2).
         """
 
 
@@ -144,24 +142,28 @@ class Sweep:
     ) -> bool:
         """Sweep all layers. Returns whether it came to the end."""
         count, rows = self.raster.count, self.raster.rows
-        chunk = max(ROWS, -(-rows // (4 * threads) // ROWS) * ROWS)
+        chunk = max(ROWS, -(-rows // (STRIPS * threads) // ROWS) * ROWS)
         self.strips = [(a, min(a + chunk, rows)) for a in range(0, rows, chunk)]
-        starts = range(0, count, self.depth)
+        before: Block | None = None
         with ThreadPoolExecutor(threads, thread_name_prefix="vtkmcvr") as pool:
-            following = self._begin(pool, 0) if count else None
-            for start in starts:
-                assert following is not None
+            following = self._begin(pool, 0)
+            while following is not None:
                 block, jobs = following
-                begin = perf_counter()
                 self.work.looked_up += sum(job.result() for job in jobs)
-                following = self._begin(pool, start + self.depth)
-                self.work.seconds["wait"] += perf_counter() - begin
-                self._light(pool, block)
+                dark = self._view(pool, before, block)
+                end = block.start + block.size
+                lighting = self._light(pool, block)
+                following = None if dark else self._begin(pool, end)
+                for job in lighting:
+                    job.result()
+                before = block
                 if progress is not None:
-                    progress(min(1.0, (start + self.depth) / count))
+                    progress(1.0 if dark else end / count)
                 if abort is not None and abort():
-                    return following is None
-        return True
+                    break
+            ended = following is None
+            self._view(pool, before, None)
+        return ended
 
     def _begin(
         self, pool: ThreadPoolExecutor, start: int
@@ -189,25 +191,36 @@ class Sweep:
             )
         )  # fmt: skip
 
-    def _look(self, block: Block, strip: Strip) -> None:
+    def _view(self, pool: ThreadPoolExecutor, lit: Block | None, filled: Block | None) -> bool:
+        """Add a lit block to the picture, and look through the next. Returns whether all is dark.
+
+        Of the same rows in one go: the first half of what an eye sees of a block is light.
+        """
+
+        def rows(strip: Strip) -> bool:
+            if lit is not None:
+                self._compose(lit, strip)
+            return filled is None or self._look(filled, strip)
+
+        return all(list(pool.map(rows, self.strips)))
+
+    def _look(self, block: Block, strip: Strip) -> bool:
+        """Look through a block. Returns whether no view ray goes on."""
         f = self.filling
-        look_rows(
+        return bool(look_rows(
             self.raster.perspective, block.places[0], block.layers, block.filled, block.visible,
             self.eye, self.film, self.image, f32(f.opaque), f.limited, self.light.tiers, *strip,
-        )  # fmt: skip
+        ))  # fmt: skip
 
-    def _light(self, pool: ThreadPoolExecutor, block: Block) -> None:
-        begin = perf_counter()
-        list(pool.map(lambda strip: self._look(block, strip), self.strips))
+    def _light(self, pool: ThreadPoolExecutor, block: Block) -> list[Future[None]]:
+        """Begin to take the light through a block."""
         list_runs(block.filled)
         slots = int(list_runs(block.visible))
         self.work.seen += slots
         if slots > self.sums.shape[2]:
-            self.sums = np.zeros((*self.sums.shape[:2], slots), f32)
-            self.weights = np.zeros((len(self.weights), slots // SEGMENT, 2), f32)
-        self.light.through(block, self.sums, self.weights, pool)
-        list(pool.map(lambda strip: self._compose(block, strip), self.strips))
-        self.work.seconds["light"] += perf_counter() - begin
+            self.sums = np.empty((*self.sums.shape[:2], slots), f32)
+            self.weights = np.empty((len(self.weights), slots // SEGMENT, 2), f32)
+        return self.light.through(block, self.sums, self.weights, slots, pool)
 
     def _compose(self, block: Block, strip: Strip) -> None:
         volume = self.filling.volumes[0]

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..kernels.cone_beams import trace_beams
+from ..kernels.cone_layers import SEGMENT
 from ..pack import f32
 from .beams import Beams
 from .raster import Raster
@@ -51,24 +52,24 @@ class Traced:
         self.origins = np.full((len(beams), colours, 2), -ROOM, np.int64)
 
     def through(
-        self, block: Block, sums: NDArray, weights: NDArray, pool: ThreadPoolExecutor
-    ) -> None:
-        """Take every beam through a block of layers."""
-        jobs = [
-            pool.submit(self._group, block, group, sums[group], weights[group])
+        self, block: Block, sums: NDArray, weights: NDArray, slots: int, pool: ThreadPoolExecutor
+    ) -> list[Future[None]]:
+        """Begin to take every beam through a block of layers."""
+        return [
+            pool.submit(self._group, block, group, sums[group], weights[group], slots)
             for group in range(GROUPS)
         ]
-        for job in jobs:
-            job.result()
 
-    def _group(self, block: Block, group: int, sums: NDArray, weights: NDArray) -> None:
+    def _group(
+        self, block: Block, group: int, sums: NDArray, weights: NDArray, slots: int
+    ) -> None:
         perspective, layers = self.raster.perspective, block.layers
         depth = self.raster.near + (block.start + np.arange(block.size) + 0.5) * (
             self.raster.thickness
         )
         zooms = (np.ones(block.size) if perspective is None else 1 / depth).astype(f32)
-        sums[:] = 0
-        weights[:] = 0
+        sums[:, :slots] = 0
+        weights[: slots // SEGMENT] = 0
         trace_beams(
             perspective, self.beams.cone, self.table, self.members[group],
             self.tiers and group >= FAINT_GROUPS, self.buffers, self.origins, self.places,
