@@ -503,6 +503,7 @@ class Runs(NamedTuple):
     count: NDArray[np.int32]  # type: ignore[assignment]  # [layer, row]
     start: NDArray[np.int32]  # [layer, row, run]
     end: NDArray[np.int32]
+    before: NDArray[np.int64]  # [layer, rows + 1] runs before a row, of all that are listed
     listed: NDArray[np.int32]  # (n, 3) row, start and end of all runs, layer by layer
     slot: NDArray[np.int64]  # (n,) where each of them starts in compact arrays
     first: NDArray[np.int64]  # (layers + 1,) first of each layer

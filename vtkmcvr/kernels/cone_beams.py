@@ -133,10 +133,10 @@ def eye_secant(perspective, row, column):
 
 
 @device
-def attenuate(buffer, origin, depth, runs, layer, y, x, share):
-    """Add `share` of a layer's optical depth to the rays that cross it."""
+def attenuate(buffer, origin, depth, runs, layer, y, x, share, rows):
+    """Add `share` of a layer's optical depth to the rays that cross some rows of it."""
     shift = -x - origin[1]
-    for run in range(runs.first[layer], runs.first[layer + 1]):
+    for run in range(runs.before[layer, rows[0]], runs.before[layer, rows[1]]):
         row = runs.listed[run, 0]
         j = index(row - y - origin[0])
         for column in range(runs.listed[run, 1], runs.listed[run, 2]):
@@ -153,10 +153,12 @@ def relieved(relief, layer, row, column, depth):
 
 @device
 def gather(
-    perspective, cone, beam, zoom, bright, buffer, origin, layers, tinted, runs, layer, y, x,
+    perspective, cone, beam, zoom, bright, buffer, origin, layers, tinted, runs, layer, y, x, rows,
     light, weight,
 ):  # fmt: skip
-    """Read the beam wherever the eye sees anything in a layer; `bright`: not where it sees little.
+    """Read the beam wherever the eye sees anything in some rows of a layer.
+
+    `bright`: not where it sees little.
 
     Weight and path length of the direction go evenly over a span of columns.
     """
@@ -164,7 +166,7 @@ def gather(
     shift = -x - origin[1]
     span = span_of(perspective)
     per_column = ONE / f32(span)
-    for run in range(runs.first[layer], runs.first[layer + 1]):
+    for run in range(runs.before[layer, rows[0]], runs.before[layer, rows[1]]):
         row, start, end = runs.listed[run, 0], runs.listed[run, 1], runs.listed[run, 2]
         j = index(row - y - origin[0])
         slot = runs.slot[run] - start
@@ -208,10 +210,59 @@ def span_of(perspective):
     return perspective.span
 
 
+@device
+def held_throughout(buffer, origin, places, rows, columns):
+    """Make the buffer hold all rays that meet the film at any of some places; False: no room."""
+    top, left, bottom, right = places[0, 0], places[0, 1], places[0, 0], places[0, 1]
+    for n in range(len(places)):
+        top, bottom = min(top, places[n, 0]), max(bottom, places[n, 0])
+        left, right = min(left, places[n, 1]), max(right, places[n, 1])
+    tall, wide = rows + bottom - top, columns + right - left
+    if tall > buffer.shape[0] or wide > buffer.shape[1]:
+        return False
+    held(buffer, origin, bottom, right, tall, wide)
+    return True
+
+
+@device
+def rows_of_band(band, bands, rows, moved):
+    """Rows of a layer, [first, end), that the rays of a band cross; together all rows."""
+    first = 0 if band == 0 else min(max(rows * band // bands + moved, 0), rows)
+    end = rows if band == bands - 1 else min(max(rows * (band + 1) // bands + moved, 0), rows)
+    return first, end
+
+
+@device
+def trace_beam(
+    perspective, cone, beam, bright, buffer, origin, places, first, zooms, layers, tinted, filled,
+    visible, light, weight, band, bands,
+):  # fmt: skip
+    """Take the rays of a band of one beam through a block of layers."""
+    count, rows, columns = layers.depth.shape
+    home = places[first[0], 0]
+    for layer in range(count):
+        a, b = first[layer], first[layer + 1]
+        y, x = places[(a + b) // 2, 0], places[(a + b) // 2, 1]
+        if bands == 1:
+            held(buffer, origin, y, x, rows, columns)
+        gather(
+            perspective, cone, beam, zooms[layer], bright, buffer, origin, layers, tinted, visible,
+            layer, y, x, rows_of_band(band, bands, rows, y - home), light, weight,
+        )  # fmt: skip
+        for place in range(a, b):
+            y, x = places[place, 0], places[place, 1]
+            if bands == 1:
+                held(buffer, origin, y, x, rows, columns)
+            attenuate(
+                buffer, origin, tinted, filled, layer, y, x, ONE / f32(b - a),
+                rows_of_band(band, bands, rows, y - home),
+            )  # fmt: skip
+
+
 @kernel
 def trace_beams(
     perspective, cone, beams, members, bright, buffers, origins, places, first, start, zooms,
-    layers, tinted, filled, visible, light, weight, spare,
+    layers, tinted, filled, visible, light, weight, spare, bands,
 ):  # fmt: skip
     """Take some beams through a block of layers: what the eye sees of them, and their shadows.
 
@@ -222,23 +273,20 @@ def trace_beams(
     `first` (n, layers + 1): where a layer's places start, `start` being the block's first layer.
     `bright`: the beams are left out where the eye sees little. `weight` (segments, 2) is summed at
     both ends of a segment; the weights of the second and third colour are the same, and go to
-    `spare`.
+    `spare`. Rays are taken in `bands` of rows, so that all beams find a band's layers in the cache.
     """
     count, rows, columns = layers.depth.shape
-    for k in members:
-        beam = Beam(beams[k, 0], beams[k, 1], beams[k, 2])
-        for channel in range(buffers.shape[1]):
-            own = tinted[channel]
-            buffer, origin = buffers[k, channel], origins[k, channel]
-            for layer in range(count):
-                a, b = first[k, start + layer], first[k, start + layer + 1]
-                y, x = places[(a + b) // 2, 0], places[(a + b) // 2, 1]
-                held(buffer, origin, y, x, rows, columns)
-                gather(
-                    perspective, cone, beam, zooms[layer], bright, buffer, origin, layers, own,
-                    visible, layer, y, x, light[channel], weight if channel == 0 else spare,
-                )  # fmt: skip
-                for place in range(a, b):
-                    y, x = places[place, 0], places[place, 1]
-                    held(buffer, origin, y, x, rows, columns)
-                    attenuate(buffer, origin, own, filled, layer, y, x, ONE / f32(b - a))
+    for band in range(bands):
+        for k in members:
+            beam = Beam(beams[k, 0], beams[k, 1], beams[k, 2])
+            own = first[k, start : start + count + 1]
+            for channel in range(buffers.shape[1]):
+                buffer, origin = buffers[k, channel], origins[k, channel]
+                # Rays must not be moved between the bands
+                fits = held_throughout(buffer, origin, places[own[0] : own[count]], rows, columns)
+                if fits or band == 0:
+                    trace_beam(
+                        perspective, cone, beam, bright, buffer, origin, places, own, zooms,
+                        layers, tinted[channel], filled, visible, light[channel],
+                        weight if channel == 0 else spare, band, bands if fits else 1,
+                    )  # fmt: skip

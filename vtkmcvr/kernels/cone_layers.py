@@ -148,19 +148,23 @@ def fill_pixel(medium, transfer, integrals, block, bleeding, layers, row, column
     if enter < leave:
         x = entry_at(medium, integrals, at(o, d, enter))
     for layer in range(count):
+        layers.front[layer, row, column] = x
+        back = min(block.thickness * f32(layer + 1), leave)
+        if max(block.thickness * f32(layer), enter) < back:
+            x = entry_at(medium, integrals, at(o, d, back))
+        layers.back[layer, row, column] = x
+    for layer in range(count):
         depth, whole = ZERO, ZERO
-        first = x
+        first, x = layers.front[layer, row, column], layers.back[layer, row, column]
         front = max(block.thickness * f32(layer), enter)
         back = min(block.thickness * f32(layer + 1), leave)
         middle = at(o, d, HALF * (front + back))
-        if front < back:
-            x = entry_at(medium, integrals, at(o, d, back))
-            if max(first, x) > integrals.clear:
-                sigma_t, sigma_whole = stretch_extinction(
-                    transfer.gradient_opacity, transfer.table_2d, medium.labels, medium, transfer,
-                    integrals, first, x, middle,
-                )  # fmt: skip
-                depth, whole = sigma_t * (back - front), sigma_whole * (back - front)
+        if front < back and max(first, x) > integrals.clear:
+            sigma_t, sigma_whole = stretch_extinction(
+                transfer.gradient_opacity, transfer.table_2d, medium.labels, medium, transfer,
+                integrals, first, x, middle,
+            )  # fmt: skip
+            depth, whole = sigma_t * (back - front), sigma_whole * (back - front)
         if depth > ZERO:
             filled |= 1 << layer
         dye(
@@ -174,8 +178,6 @@ def fill_pixel(medium, transfer, integrals, block, bleeding, layers, row, column
         layers.depth[layer, row, column] = depth
         if integrals.limited:
             layers.whole[layer, row, column] = whole
-        layers.front[layer, row, column] = first
-        layers.back[layer, row, column] = x
     return filled
 
 
@@ -263,11 +265,13 @@ def list_runs(runs):
     for layer in range(runs.count.shape[0]):
         runs.first[layer] = n
         for row in range(runs.count.shape[1]):
+            runs.before[layer, row] = n
             for i in range(runs.count[layer, row]):
                 start, end = runs.start[layer, row, i], runs.end[layer, row, i]
                 runs.listed[n, 0], runs.listed[n, 1], runs.listed[n, 2] = row, start, end
                 runs.slot[n] = total
                 total += end - start
                 n += 1
+        runs.before[layer, runs.count.shape[1]] = n
     runs.first[runs.count.shape[0]] = n
     return total

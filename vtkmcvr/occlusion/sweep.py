@@ -240,7 +240,7 @@ def _first_layers(a: NDArray | None, n: int) -> NDArray | None:
 
 def _first(runs: packed.Runs, n: int) -> packed.Runs:
     """Runs of the first layers."""
-    return packed.Runs._make((*(a[:n] for a in runs[:4]), *runs[4:]))
+    return packed.Runs._make((*(a[:n] for a in runs[:5]), *runs[5:]))
 
 
 def _runs(count: int, rows: int, columns: int) -> packed.Runs:
@@ -249,6 +249,7 @@ def _runs(count: int, rows: int, columns: int) -> packed.Runs:
     number = math.prod(most)
     return packed.Runs(
         np.zeros((count, rows, segments), np.uint8), np.zeros((count, rows), np.int32),
-        np.zeros(most, np.int32), np.zeros(most, np.int32), np.zeros((number, 3), np.int32),
+        np.zeros(most, np.int32), np.zeros(most, np.int32),
+        np.zeros((count, rows + 1), np.int64), np.zeros((number, 3), np.int32),
         np.zeros(number, np.int64), np.zeros(count + 1, np.int64),
     )  # fmt: skip

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from concurrent.futures import Future, ThreadPoolExecutor
 
 import numpy as np
@@ -20,6 +21,9 @@ from .sweep import Block
 GROUPS, FAINT_GROUPS = 6, 2
 # Beams from which on that is done
 MANY = 24
+# Rays are taken in bands of rows in which the eye sees so many pixels of a block's layers, but not
+# fewer rows: that much of all arrays fits into a core's cache
+BAND, TALL = 16384, 32
 # Room of a beam's buffer around the film, pixels
 ROOM = 192
 
@@ -77,6 +81,7 @@ class Traced:
             layers.depth[None] if layers.tinted is None else layers.tinted,
             block.filled, block.visible, sums, weights,
             np.empty_like(weights) if self.colours > 1 else weights,
+            max(1, min(self.raster.rows // TALL, math.ceil(slots / BAND))),
         )  # fmt: skip
 
 
