@@ -11,7 +11,7 @@ import numpy as np
 from .cone_layers import SEGMENT, find_runs, secant
 from .jit import device, kernel
 
-f32 = np.float32
+f32, index = np.float32, np.uintp
 ZERO, HALF, ONE, FOUR = f32(0.0), f32(0.5), f32(1.0), f32(4.0)
 # Share of the neighbours. Rounding to whole pixels displaces a ray of light by a variance of 1/6
 # pixel squared, half of which would be the share; but in its own column it has no such error yet:
@@ -33,19 +33,30 @@ def raise_relief(relief, eye_relief, depth, layer, row, first, last):
     """
     if relief is None:
         return
-    last_row = depth.shape[1] - 1
-    up, down = max(row - 1, 0), min(row + 1, last_row)
+    last_column = depth.shape[2] - 1
+    start, end = max(first, 1), min(last, last_column)
+    if first < min(start, last):
+        raise_pixels(relief, eye_relief, depth, layer, row, 0, 1, 0, 1)
+    raise_pixels(relief, eye_relief, depth, layer, row, start, end, -1, 1)
+    if last > max(end, first):
+        raise_pixels(relief, eye_relief, depth, layer, row, last_column, last, -1, 0)
+
+
+@device
+def raise_pixels(relief, eye_relief, depth, layer, row, first, last, to_left, to_right):
+    """The same for columns whose neighbours are these numbers away: code for vectors."""
+    up, here, down = index(max(row - 1, 0)), index(row), index(min(row + 1, depth.shape[1] - 1))
     for column in range(first, last):
-        left, right = max(column - 1, 0), min(column + 1, depth.shape[2] - 1)
+        i = index(column)
         around = (
-            depth[layer, up, column] + depth[layer, down, column] + depth[layer, row, left]
-            + depth[layer, row, right]
+            depth[layer, up, i] + depth[layer, down, i] + depth[layer, here, index(column + to_left)]
+            + depth[layer, here, index(column + to_right)]
         )  # fmt: skip
-        own = depth[layer, row, column]
+        own = depth[layer, here, i]
         step = SPREAD * (around - FOUR * own)
-        before = eye_relief[row, column]
-        relief[layer, row, column] = min(max(before + HALF * step, ZERO), MOST_RELIEF)
-        eye_relief[row, column] = before + step if around + own > ZERO else ZERO
+        before = eye_relief[here, i]
+        relief[layer, here, i] = min(max(before + HALF * step, ZERO), MOST_RELIEF)
+        eye_relief[here, i] = before + step if around + own > ZERO else ZERO
 
 
 @device

@@ -23,7 +23,7 @@ GROUPS, FAINT_GROUPS = 6, 2
 MANY = 24
 # Rays are taken in bands of rows in which the eye sees so many pixels of a block's layers, but not
 # fewer rows: that much of all arrays fits into a core's cache
-BAND, TALL = 16384, 32
+BAND, TALL = 8192, 32
 # Room of a beam's buffer around the film, pixels
 ROOM = 192
 
