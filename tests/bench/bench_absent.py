@@ -3,8 +3,8 @@
     python tests/bench/bench_absent.py [--rounds 60] [--each] [--json FILE]
 
 The other build is compiled from the same sources without all that serves absent effects only
-(`tests/without_effects.py`). Both take turns on one thread, 64 x 48 pixels a turn; the ratio is that
-of the least processor times. `--each`: a build for each absent effect too, which compiles for
+(`tests/without_effects.py`). Both take turns on one thread, 64 x 48 pixels a turn; the ratio is
+that of the least processor times. `--each`: a build for each absent effect too, which compiles for
 minutes.
 """
 

@@ -16,7 +16,6 @@ from techniques import (
     relative_difference,
 )
 
-
 from vtkmcvr.occlusion import Occlusion, render_occlusion
 from vtkmcvr.scene import Camera, Volume
 
