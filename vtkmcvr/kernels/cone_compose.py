@@ -166,8 +166,10 @@ def compose_rows(
                     total = weight[0, k, 0] + (weight[0, k, 1] - weight[0, k, 0]) * w
                     # Without any direction in the cone there, nothing is known of the light
                     scattered = T * a / total if total > ZERO else ZERO
+                    # Not more than with all the light there is: relief may take too much off
+                    most = -math.expm1(-a) * T
                     i, j = row - image[1], column - image[0]
                     for c in range(3):
                         V = light[0, min(c, channels - 1), slot]
-                        film.radiance[i, j, c] += scattered * colour[c] * V
+                        film.radiance[i, j, c] += colour[c] * min(scattered * V, most)
                     add_film(film.normal, film.albedo, i, j, normal, albedo, a, T)
