@@ -7,7 +7,13 @@ import pytest
 from compiled import compiled
 
 from vtkmcvr import packed
-from vtkmcvr.kernels.cone_beams import held, mean_transmitted, transmitted
+from vtkmcvr.kernels.cone_beams import (
+    held,
+    held_throughout,
+    mean_transmitted,
+    rows_of_band,
+    transmitted,
+)
 from vtkmcvr.kernels.cone_single import blur_columns, blur_rows
 from vtkmcvr.kernels.cone_transfer import mean_albedo, mean_extinction
 from vtkmcvr.occlusion.medium import integrals_of
@@ -108,6 +114,28 @@ def test_a_ray_that_stays_on_the_film_is_never_lost():
         move(buffer, origin, shift, -shift, 10, 10)
         assert buffer[4 - origin[0], 4 - origin[1]] == 1
         assert buffer.sum() == 1
+
+
+def test_bands_hold_every_row_once():
+    part = compiled(rows_of_band)
+    for rows, bands in ((5, 1), (37, 4), (64, 3)):
+        for moved in (-100, -9, 0, 1, 12, 100):
+            parts = [part(band, bands, rows, moved) for band in range(bands)]
+            assert [row for a, b in parts for row in range(a, b)] == list(range(rows))
+            # The same rays: rows that moved as they did
+            inner = [a - moved for a, _ in parts[1:] if 0 < a < rows]
+            assert set(inner) <= {rows * band // bands for band in range(bands)}
+
+
+def test_room_for_all_places_of_a_block():
+    move = compiled(held_throughout)
+    buffer, origin = np.zeros((30, 30), f32), np.array([-10, -10])
+    places = np.array([(0, 0), (4, -3), (9, -6)])
+    assert move(buffer, origin, places, 10, 10)
+    for y, x in places:
+        assert 0 <= -y - origin[0] <= 20
+        assert 0 <= -x - origin[1] <= 20
+    assert not move(buffer, origin, np.array([(0, 0), (21, 0)]), 10, 10)
 
 
 @pytest.mark.parametrize("width", [1.0, 1.7, 3.0, 8.4, 60.0])

@@ -8,7 +8,7 @@ from occlusion_scenes import block, frontal, half_space_scene, medium
 from scenes import BOX, blob, noise, scene, volume
 
 from vtkmcvr.lights import ConstantEnvironment
-from vtkmcvr.occlusion import Occlusion, render_occlusion
+from vtkmcvr.occlusion import Occlusion, render_occlusion, traced
 from vtkmcvr.occlusion.beams import beams_of
 from vtkmcvr.occlusion.rendering import layout
 from vtkmcvr.phases import Cone
@@ -115,6 +115,36 @@ def test_skipping_empty_and_saturated_space_changes_nothing(mode):
     assert np.abs(quick.alpha - whole.alpha).max() < 2e-5
     assert quick.work.looked_up < 0.7 * whole.work.looked_up
     assert quick.work.seen < whole.work.seen
+
+
+@pytest.mark.parametrize("mode", ["default", "fast", "paper"])
+def test_nothing_is_done_behind_the_last_view_ray(mode):
+    # A wall across the whole film, opaque long before its back
+    vol, transfer = block(24.0, 24.0, 5.0)
+    lit = scene(vol, transfer, frontal(6.0), size=(16, 16), pixel_filter=BOX, lights=SKY)
+    quick = render_occlusion(lit, Occlusion(50, mode, grid=3))
+    whole = render_occlusion(lit, Occlusion(50, mode, grid=3, skip=False))
+    assert np.abs(quick.radiance - whole.radiance).max() < 5e-5
+    assert quick.work.looked_up < 0.5 * whole.work.looked_up
+    # Where a single ray gets past the wall, the sweep goes on
+    beside = replace(lit, camera=frontal(6.0, centre=(9.0, 0.0, 0.0)))
+    quick = render_occlusion(beside, Occlusion(50, mode, grid=3))
+    whole = render_occlusion(beside, Occlusion(50, mode, grid=3, skip=False))
+    assert (quick.alpha == 0).any()
+    assert np.abs(quick.radiance - whole.radiance).max() < 5e-5
+
+
+def test_bands_of_rows_change_only_the_order_of_sums(monkeypatch):
+    # Room for one beam to be moved, and too little: then it goes in one band
+    lit = scene(lumps(), medium(12.0), PERSPECTIVE, (40, 130), lights=SKY)
+    for room in (traced.ROOM, 8):
+        monkeypatch.setattr(traced, "ROOM", room)
+        pictures = []
+        for band in (64, 10**9):
+            monkeypatch.setattr(traced, "BAND", band)
+            pictures.append(render_occlusion(lit, Occlusion(70)))
+        many, one = (picture.radiance for picture in pictures)
+        assert np.abs(many - one).max() < 1e-5 * one.max()
 
 
 def test_an_off_centre_window_is_a_part_of_the_whole():

@@ -49,7 +49,8 @@ def raise_pixels(relief, eye_relief, depth, layer, row, first, last, to_left, to
     for column in range(first, last):
         i = index(column)
         around = (
-            depth[layer, up, i] + depth[layer, down, i] + depth[layer, here, index(column + to_left)]
+            depth[layer, up, i] + depth[layer, down, i]
+            + depth[layer, here, index(column + to_left)]
             + depth[layer, here, index(column + to_right)]
         )  # fmt: skip
         own = depth[layer, here, i]

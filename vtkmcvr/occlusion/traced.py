@@ -64,9 +64,7 @@ class Traced:
             for group in range(GROUPS)
         ]
 
-    def _group(
-        self, block: Block, group: int, sums: NDArray, weights: NDArray, slots: int
-    ) -> None:
+    def _group(self, block: Block, group: int, sums: NDArray, weights: NDArray, slots: int) -> None:
         perspective, layers = self.raster.perspective, block.layers
         depth = self.raster.near + (block.start + np.arange(block.size) + 0.5) * (
             self.raster.thickness
