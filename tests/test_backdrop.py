@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scenes import blob, frontal, medium, render, scene, slab
 
-from vtkmcvr.backdrop import Backdrop
+from vtkmcvr.backdrop import Backdrop, Veils
 from vtkmcvr.lights import ConstantEnvironment
 from vtkmcvr.plan import plan
 from vtkmcvr.scene import Surface
@@ -92,3 +92,86 @@ def test_another_look_does_not():
         again = plan(other, first)
         assert again.volumes[0] is not first.volumes[0]
         assert same(again.packed, plan(other).packed)
+
+
+def veiled(depths, colours, far=np.inf):
+    """Backdrop with the same veils in all pixels, before nothing or black at a depth."""
+    shape = (len(depths), 1, SIZE[1], SIZE[0])
+    depth = np.broadcast_to(np.float32(depths)[:, None, None, None], shape)
+    colour = np.broadcast_to(np.uint8(colours)[:, None, None, None], (*shape, 4))
+    plain = backdrop(far, (0, 0, 0, 255))
+    return replace(plain, veils=Veils.of_layers(depth, colour))
+
+
+def test_veils_before_within_and_behind_a_slab_cover_what_lies_behind_them():
+    """A slab of optical depth 1.5 per unit from depth 4.5 to 5.5; veils of opacity a show a c.
+
+    With transmittance T(z): the volume's share is T(4.5) - T(4.9), times what the first leaves,
+    plus T(4.9) - T(5.5), times what the first two leave. Each veil shows its colour by what is
+    left before it, of veils and of the volume.
+    """
+    a = np.array([102, 51, 153]) / 255
+    colours = [(255, 0, 0, 102), (0, 255, 0, 51), (0, 0, 255, 153)]
+    one = scene(
+        slab(), medium(1.5), frontal(0.3), size=SIZE,
+        backdrop=veiled((4.0, 4.9, 6.0), colours),
+        lights=(ConstantEnvironment(1.0),), shadow_reach=0.0,
+    )  # fmt: skip
+    picture = render(one, samples=256)
+    n = 256 * SIZE[0] * SIZE[1]
+    left = np.cumprod(1 - a)
+    T = np.exp(-1.5 * np.array([0.4, 1.0]))
+    cover = left[0] * (1 - T[0]) + left[1] * (T[0] - T[1])
+    # Samples are 0, left[1] or left[0]: of a smaller variance than one of 0 and left[0]
+    assert abs(picture.alpha.mean() - cover) < 5 * left[0] / np.sqrt(4 * n)
+    shown = (a[0], left[0] * a[1] * T[0], left[1] * a[2] * T[1])
+    behind = picture.film.behind.mean(axis=(0, 1))
+    np.testing.assert_allclose(behind[:3], shown, atol=5 / np.sqrt(4 * n))
+    # Nothing is lost: what volume, veils and black behind them show adds up
+    np.testing.assert_allclose(picture.alpha + picture.film.behind[..., 3], 1, atol=1e-6)
+    # Light of the volume is dimmed as its cover is: white under white light
+    np.testing.assert_allclose(picture.radiance[..., 0], picture.alpha, rtol=1e-5)
+
+
+def test_veils_alone_show_without_noise():
+    """One before the other, without a volume in sight: to rounding, whatever the samples."""
+    colours = [(200, 100, 0, 128), (0, 100, 200, 64)]
+    far_away = replace(frontal(0.3), position=(50, -5, 0), focal_point=(50, 0, 0))
+    one = scene(
+        slab(), medium(1.5), far_away, size=SIZE, backdrop=veiled((1.0, 2.0), colours),
+        lights=(ConstantEnvironment(1.0),), shadow_reach=0.0,
+    )  # fmt: skip
+    picture = render(one, samples=3)
+    front, back = (np.array(c) / 255 for c in colours)
+    expected = front[:3] * front[3] + (1 - front[3]) * back[:3] * back[3]
+    np.testing.assert_allclose(
+        picture.film.behind[..., :3], np.broadcast_to(expected, (*SIZE[::-1], 3)), atol=1e-12
+    )
+    assert not picture.alpha.any()
+
+
+@pytest.mark.parametrize(
+    ("first", "depth", "words"),
+    [
+        ([0, 1], [1.0, 2.0], "1 depths"),
+        ([1, 2], [1.0, 2.0], "counts up from 0"),
+        ([0, 2], [2.0, 1.0], "nearest first"),
+        ([0, 2], [-1.0, 1.0], "depths >= 0"),
+    ],
+)
+def test_bad_veils_are_refused(first, depth, words):
+    with pytest.raises(ValueError, match=words):
+        Veils(np.array(first), np.float32(depth), np.zeros((len(depth), 4), np.uint8))
+
+
+def test_veils_of_some_pixels_are_theirs():
+    depth = np.full((2, 1, 2, 2), np.inf, np.float32)
+    depth[:, 0, 0, 1], depth[0, 0, 1, 0] = (1, 2), 3
+    colour = np.arange(32, dtype=np.uint8).reshape(2, 1, 2, 2, 4)
+    veils = Veils.of_layers(depth, colour)
+    assert veils.first.tolist() == [0, 0, 2, 3, 3]
+    part = veils.at(np.array([2, 1]))
+    assert part.first.tolist() == [0, 1, 3] and part.depth.tolist() == [3, 1, 2]
+    assert part.colour[:, 0].tolist() == [8, 4, 20]
+    with pytest.raises(ValueError, match="given for 4 places"):
+        replace(backdrop(1.0), veils=veils)

@@ -123,6 +123,8 @@ class Job(Cancellable):
         super().__init__()
         self.plan, self.settings, self.edges = scene, settings, edges
         self.exposure = settings.exposure_of(scene.scene)
+        backdrop = scene.scene.backdrop
+        self.veiled = None if backdrop is None else backdrop.veiled
         self.film = empty_film(scene)
         self.spent = 0.0
 
@@ -145,7 +147,7 @@ class Job(Cancellable):
         if why != "samples" or samples == self.settings.most_samples:
             self.stopped_by = why
         self.newest = Estimate(
-            picture_of(self.film, self.exposure, self.edges), samples,
+            picture_of(self.film, self.exposure, self.edges, self.veiled), samples,
             image_error(self.film).nrms, self.done,
         )  # fmt: skip
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from vtkmodules.vtkRenderingCore import vtkActor, vtkProp, vtkRenderer, vtkVolume
+from vtkmodules.vtkRenderingCore import vtkActor, vtkRenderer, vtkVolume
 
 from ..backdrop import Backdrop
 from ..camera import PixelFilter
@@ -18,6 +18,7 @@ from ..vtk_mesh import mesh_of
 from ..vtk_property import phase_of
 from ..vtk_props import identity
 from ..vtk_scene import camera_of, matrix_of
+from .around import Around, actor_key
 from .film_place import Place
 from .lighting import Environment, lights_key, scene_lights
 from .looks import VolumeLooks, volume_key
@@ -41,26 +42,16 @@ def scene_key(
     renderer: vtkRenderer,
     place: Place,
     volumes: Sequence[vtkVolume],
-    surfaces: Sequence[vtkActor],
-    drawn: Sequence[vtkProp],
+    props: Around,
 ) -> tuple[Any, ...]:
     """Everything that decides the picture of a renderer, as values to compare."""
     return (
         camera_key(renderer), place, renderer.GetRenderWindow().GetTileViewport(),
         tuple(map(volume_key, volumes)), lights_key(renderer),
-        # Those that are traced are hidden for each frame, which counts as a change
-        tuple(map(_surface_key, surfaces)),
-        tuple((identity(p), p.GetMTime(), p.GetRedrawMTime()) for p in drawn),
+        # Those that VTK does not draw are hidden for each frame, which counts as a change
+        tuple(map(actor_key, props.traced)), tuple(map(actor_key, props.veils)),
+        tuple((identity(p), p.GetMTime(), p.GetRedrawMTime()) for p in props.drawn),
     )  # fmt: skip
-
-
-def _surface_key(actor: vtkActor) -> tuple[Any, ...]:
-    data, look = actor.GetMapper().GetInput(), actor.GetProperty()
-    return identity(actor), identity(data), data.GetMTime(), look.GetMTime(), _matrix_key(actor)
-
-
-def _matrix_key(actor: vtkActor) -> bytes:
-    return matrix_of(actor.GetMatrix()).tobytes()
 
 
 class SceneReader:

@@ -14,7 +14,10 @@ SETTLED = 4
 
 
 def picture_of(
-    film: packed.Film, exposure: float, edges: NDArray[np.bool_] | None = None
+    film: packed.Film,
+    exposure: float,
+    edges: NDArray[np.bool_] | None = None,
+    veiled: NDArray[np.bool_] | None = None,
 ) -> NDArray[np.uint8]:
     """Display picture of a film, straight alpha.
 
@@ -30,6 +33,8 @@ def picture_of(
         Stops.
     edges : array (H, W), optional
         Pixels at an edge of the backdrop.
+    veiled : array (H, W), optional
+        Pixels with translucent surfaces, which the window does not draw.
 
     Returns
     -------
@@ -39,13 +44,16 @@ def picture_of(
     radiance = film.mean.astype(np.float32)
     coverage = alpha(film)
     pixels = to_rgba8(radiance, coverage, exposure=exposure)
-    if edges is None or film.behind is None or film.count.min() < SETTLED:
+    if film.behind is None:
         return pixels
-    seen = edges & (coverage > 0)
+    seen = np.zeros(coverage.shape, bool) if veiled is None else veiled.copy()
+    if edges is not None and film.count.min() >= SETTLED:
+        seen |= edges & (coverage > 0)
     behind = film.behind[seen]
     cover = coverage[seen][:, None]
     whole = cover[:, 0] + behind[:, 3]
     light = pixels[seen][:, :3] / 255 * cover + behind[:, :3]
-    pixels[seen, :3] = np.rint(255 * np.clip(light / whole[:, None], 0, 1))
+    light /= np.where(whole > 0, whole, 1)[:, None]
+    pixels[seen, :3] = np.rint(255 * np.clip(light, 0, 1))
     pixels[seen, 3] = np.rint(255 * np.clip(whole, 0, 1))
     return pixels
