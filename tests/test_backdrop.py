@@ -7,7 +7,11 @@ import pytest
 from scenes import blob, frontal, medium, render, scene, slab
 
 from vtkmcvr.backdrop import Backdrop, Veils
+from vtkmcvr.emission_absorption import EmissionAbsorption
 from vtkmcvr.lights import ConstantEnvironment
+from vtkmcvr.noiseless import render_noiseless
+from vtkmcvr.occlusion import Occlusion
+from vtkmcvr.openings import openings_of
 from vtkmcvr.plan import plan
 from vtkmcvr.scene import Surface
 
@@ -175,3 +179,73 @@ def test_veils_of_some_pixels_are_theirs():
     assert part.colour[:, 0].tolist() == [8, 4, 20]
     with pytest.raises(ValueError, match="given for 4 places"):
         replace(backdrop(1.0), veils=veils)
+
+
+NOISELESS = {
+    "fast occlusion": ("occlusion", Occlusion(mode="fast", detail=4.0)),
+    "occlusion": ("occlusion", Occlusion(directions=8)),
+    "emission-absorption": ("emission-absorption", EmissionAbsorption()),
+}
+
+
+def through(name, one):
+    """Alpha of a picture without noise, and what shows beside and through the volume."""
+    technique, settings = NOISELESS[name]
+    picture = render_noiseless(technique, one, settings, None, 0.0, threads=1)
+    return picture.alpha, picture.behind
+
+
+@pytest.mark.parametrize("name", NOISELESS)
+def test_without_noise_veils_and_an_opaque_end_are_exact(name):
+    """As for the slab and its veils above, and black at depth 5.2: T(4.9) - T(5.2) is the rest."""
+    a = np.array([102, 51]) / 255
+    colours = [(255, 0, 0, 102), (0, 255, 0, 51)]
+    one = scene(
+        slab((3.0, 1.0, 3.0)), medium(1.5), frontal(0.3), size=SIZE,
+        backdrop=veiled((4.0, 4.9), colours, 5.2),
+    )  # fmt: skip
+    alpha, behind = through(name, one)
+    T = np.exp(-1.5 * np.array([0.4, 0.7]))
+    left = np.cumprod(1 - a)
+    cover = left[0] * (1 - T[0]) + left[1] * (T[0] - T[1])
+    # Steps and slices are even: what is left is the rounding of 32 bits and of the volume's ends
+    np.testing.assert_allclose(alpha, cover, atol=2e-3)
+    shown = (a[0], left[0] * a[1] * T[0], 0.0, 1 - cover)
+    np.testing.assert_allclose(behind, np.broadcast_to(shown, behind.shape), atol=2e-3)
+
+
+@pytest.mark.parametrize("name", NOISELESS)
+def test_without_noise_a_silhouette_covers_its_share_of_a_pixel(name):
+    """Of four places, one ends at depth 4.9, and one before the volume; two see all of it."""
+    places = np.full((4, SIZE[1], SIZE[0]), np.inf, np.float32)
+    places[1], places[2] = 4.9, 4.0
+    colour = np.zeros((*places.shape, 4), np.uint8)
+    colour[..., 3] = 255
+    colour[0, ..., 0], colour[1, ..., 1], colour[2, ..., 2] = 255, 255, 255
+    offsets = [(0.25, 0.25), (0.75, 0.25), (0.25, 0.75), (0.75, 0.75)]
+    one = scene(
+        slab((3.0, 1.0, 3.0)), medium(1.5), frontal(0.3), size=SIZE,
+        backdrop=Backdrop(places, colour, np.array(offsets)),
+    )  # fmt: skip
+    alpha, behind = through(name, one)
+    T = np.exp(-1.5 * np.array([0.4, 1.0]))
+    np.testing.assert_allclose(alpha, (2 * (1 - T[1]) + (1 - T[0])) / 4, atol=2e-3)
+    shown = np.array((T[1], T[0], 1.0, 2 * T[1] + T[0] + 1)) / 4
+    np.testing.assert_allclose(behind, np.broadcast_to(shown, behind.shape), atol=2e-3)
+
+
+def test_openings_of_finer_pixels_have_the_places_in_them():
+    places = np.arange(1, 17, dtype=np.float32).reshape(4, 2, 2)
+    places[:, 0, 0] = np.inf
+    colour = np.full((4, 2, 2, 4), 255, np.uint8)
+    offsets = [(0.25, 0.25), (0.75, 0.25), (0.25, 0.75), (0.75, 0.75)]
+    found = openings_of(Backdrop(places, colour, np.array(offsets)), np.array((0, 0, 1.0)), 2)
+    counts = np.diff(found.packed.first).reshape(4, 4)
+    # Nothing but background: no edges
+    assert not counts[:2, :2].any() and (counts[2:] == 1).all()
+    depth = found.packed.depth.tolist()
+    assert depth == [2, 6, 10, 14, 3, 7, 4, 8, 11, 15, 12, 16]
+    assert not found.packed.left.any()
+    found.packed.through[:] = 0.5
+    np.testing.assert_allclose(found.behind()[0, 0], 0)
+    np.testing.assert_allclose(found.behind()[1, 1], 0.5)

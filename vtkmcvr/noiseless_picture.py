@@ -44,6 +44,8 @@ class NoiselessPicture:
         What the picture took.
     recipe : dict
         What was asked for.
+    behind : array (H, W, 4), optional
+        What the scene's backdrop shows through the volume at its edges and veils, premultiplied.
     """
 
     planes: dict[str, NDArray[np.float32]]
@@ -56,6 +58,7 @@ class NoiselessPicture:
     work: Any
     seed: int = 0
     recipe: dict[str, Any] = field(default_factory=dict)
+    behind: NDArray[np.float64] | None = None
 
     technique: ClassVar[str]
     # Biased and deterministic: there is no standard error to give, and no noise to reduce

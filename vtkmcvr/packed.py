@@ -422,6 +422,17 @@ class Veils(NamedTuple):
     colour: NDArray[np.uint8]  # (n, 4) as displayed, straight alpha
 
 
+class Openings(NamedTuple):
+    """Edges of a backdrop in each pixel, nearest first: what is behind is covered in part."""
+
+    first: NDArray[np.int64]  # (rows columns + 1,)
+    depth: NDArray[np.float32]  # (n,) along the view axis
+    left: NDArray[np.float32]  # (n,) share of the pixel that is open behind it
+    through: NDArray[np.float32]  # (n,) transmittance of the volume up to it, written by kernels
+    next: NDArray[np.int64]  # (rows, columns) first edge that rays have not passed yet
+    axis: Vector64
+
+
 class Batches(NamedTuple):
     """Running moments of the means of batches of `BATCH` samples, [row, column], float64."""
 

@@ -4,13 +4,16 @@ Veils, which are translucent surfaces on its way, take no part in the walk: they
 found behind them, by the expected value instead of by chance.
 """
 
+import math
+
 import numpy as np
 
 from .grid import INFINITE
 from .jit import device
 from .vec import dot, wide
 
-f64, i32 = np.float64, np.int32
+f32, f64, i32 = np.float32, np.float64, np.int32
+ZERO, ONE = f32(0.0), f32(1.0)
 FAR = f64(INFINITE)
 CLEAR = (0.0, 0.0, 0.0, 0.0)
 PER_BYTE = 1.0 / 255.0
@@ -104,3 +107,50 @@ def accumulate_behind(plane, backdrop, n, row, column, place, hit, left, shown):
         if not hit:
             value += left * backdrop.colour[layer, i, j, c] * PER_BYTE
         plane[row, column, c] += (value - plane[row, column, c]) * weight
+
+
+@device
+def open_share(openings, row, column, T, depth, z, length, weight):
+    """Share of what a stretch of a pixel's ray sends to the eye that the backdrop leaves open.
+
+    The stretch goes from depth z along the view axis over `length` and has the optical depth
+    `depth`, evenly; T is the transmittance to it. Edges on it get the transmittance to them, times
+    `weight`.
+    """
+    if openings is None:
+        return ONE
+    pixel = row * openings.next.shape[1] + column
+    first, last = openings.first[pixel], openings.first[pixel + 1]
+    k = openings.next[row, column]
+    share = openings.left[k - 1] if k > first else ONE
+    if k == last or openings.depth[k] >= z + length:
+        return share
+    sent, a = ZERO, ZERO
+    while k < last and openings.depth[k] < z + length:
+        b = depth * max((openings.depth[k] - z) / length, ZERO)
+        sent -= share * math.exp(-a) * math.expm1(a - b)
+        openings.through[k] += weight * T * math.exp(-b)
+        share, a, k = openings.left[k], b, k + 1
+    openings.next[row, column] = k
+    sent -= share * math.exp(-a) * math.expm1(a - depth)
+    whole = -math.expm1(-depth)
+    return min(sent / whole, ONE) if whole > ZERO else share
+
+
+@device
+def close_openings(openings, row, column, T, weight):
+    """End a ray of a pixel: edges that it has not passed get its transmittance T, times `weight`."""
+    if openings is None:
+        return
+    pixel = row * openings.next.shape[1] + column
+    for k in range(openings.next[row, column], openings.first[pixel + 1]):
+        openings.through[k] += weight * T
+    openings.next[row, column] = openings.first[pixel]
+
+
+@device
+def along_axis(openings, d):
+    """Depth along the view axis per length of a ray."""
+    if openings is None:
+        return ONE
+    return f32(dot(wide(d), openings.axis))

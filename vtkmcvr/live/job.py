@@ -20,7 +20,7 @@ from ..plan import Plan
 from ..rendering import empty_film
 from ..scene import Scene
 from .settings import LiveSettings
-from .shown import picture_of
+from .shown import noiseless_picture_of, picture_of
 
 # Longest time between two pictures to show
 STEP_SECONDS = 0.5
@@ -184,13 +184,15 @@ class NoiselessJob(Cancellable):
     ----------
     scene : Scene
     settings : LiveSettings
+    edges : array (H, W), optional
+        Pixels at an edge of the scene's backdrop.
     """
 
-    edges = None
-
-    def __init__(self, scene: Scene, settings: LiveSettings) -> None:
+    def __init__(
+        self, scene: Scene, settings: LiveSettings, edges: NDArray[np.bool_] | None = None
+    ) -> None:
         super().__init__()
-        self.scene, self.settings = scene, settings
+        self.scene, self.settings, self.edges = scene, settings, edges
         self.samples = 0
         self._picture: NoiselessPicture | None = None
 
@@ -204,7 +206,8 @@ class NoiselessJob(Cancellable):
         if self.cancelled:
             return
         self.samples, self.stopped_by, self._picture = 1, "end", picture
-        self.newest = Estimate(picture.rgba, 1, math.nan, True, own.technique)
+        pixels = noiseless_picture_of(picture, self.edges)
+        self.newest = Estimate(pixels, 1, math.nan, True, own.technique)
 
     def picture(self) -> NoiselessPicture:
         """Return the picture, once it is done."""

@@ -17,7 +17,7 @@ from ..rendering import empty_film
 from ..scene import Scene
 from .job import Estimate
 from .settings import LiveSettings
-from .shown import picture_of
+from .shown import noiseless_picture_of, picture_of
 
 COARSEST = 8
 # The same without noise; the time of occlusion depends little on the number of pixels
@@ -62,7 +62,7 @@ def _noiseless(scene: Scene, settings: LiveSettings) -> Estimate:
         settings.technique, scene, _quick(settings), settings.exposure,
         settings.exposure_of(scene), threads=settings.threads,
     )  # fmt: skip
-    return Estimate(picture.rgba, 0, math.nan, False, settings.technique)
+    return Estimate(noiseless_picture_of(picture), 0, math.nan, False, settings.technique)
 
 
 def _quick(settings: LiveSettings) -> Occlusion | EmissionAbsorption:

@@ -93,7 +93,6 @@ class LiveView:
         volumes = volumes_of(self.renderer)
         if volumes:
             props = self._around()
-            self._check_technique(props)
             plan(self._scene((64, 64), volumes, props, None))
 
     def close(self) -> None:
@@ -147,7 +146,6 @@ class LiveView:
         self.job = self.shown = None
         self._places = []
         self._quad.actor.VisibilityOff()
-        self._check_technique(props)
         self._say_limits(props)
         if self.progressive():
             backdrop = self._backdrop(place, props, CENTRE) if props.backdrop else None
@@ -170,10 +168,10 @@ class LiveView:
             backdrop = together(self._places)
         self._places = []
         scene = self._scene(place[2:], volumes, props, backdrop)
+        edges = None if backdrop is None else edges_of(backdrop)
         if self.settings.noiseless:
-            self.job = NoiselessJob(scene, self.settings)
+            self.job = NoiselessJob(scene, self.settings, edges)
         else:
-            edges = None if backdrop is None else edges_of(backdrop)
             self.job = Job(self._planned(scene), self.settings, edges)
         self._settled = True
         if self.progressive():
@@ -216,12 +214,6 @@ class LiveView:
 
     def _around(self) -> Around:
         return around(self.renderer, self.settings.meshes == "traced", self._quad.actor)
-
-    def _check_technique(self, props: Around) -> None:
-        if self.settings.technique == "occlusion" and (props.backdrop or props.traced):
-            raise ValueError(
-                'technique "occlusion" knows no meshes: hide them, or use technique "monte-carlo"'
-            )
 
     def _say_limits(self, props: Around) -> None:
         """Warn of what is not drawn as it should be, once."""
