@@ -66,7 +66,9 @@ class Veils:
         """Veils of the places of several backdrops, one after another; None of none."""
         if not parts:
             return None
-        first = [part.first[1:] + before for part, before in zip(parts, _starts(parts), strict=True)]
+        first = [
+            part.first[1:] + before for part, before in zip(parts, _starts(parts), strict=True)
+        ]
         return cls(
             np.concatenate([[0], *first]),
             np.concatenate([part.depth for part in parts]),

@@ -136,6 +136,4 @@ def _veil_edges(
         share[at] = open_to[owner[at]] * colour[at, 3]
         open_to[owner[at]] -= share[at]
     colour[:, 3] = 1
-    return Edges(
-        pixel[owner], veils.depth[here], share, (colour * share[:, None]).astype(f32)
-    )
+    return Edges(pixel[owner], veils.depth[here], share, (colour * share[:, None]).astype(f32))

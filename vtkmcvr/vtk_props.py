@@ -15,7 +15,6 @@ from vtkmodules.vtkRenderingCore import (
     vtkVolume,
 )
 
-
 # Others, of glyphs, blocks or splats, draw what is not in their input
 PLAIN_MAPPERS = ("vtkPolyDataMapper", "vtkOpenGLPolyDataMapper", "vtkDataSetMapper")
 

@@ -139,7 +139,7 @@ def open_share(openings, row, column, T, depth, z, length, weight):
 
 @device
 def close_openings(openings, row, column, T, weight):
-    """End a ray of a pixel: edges that it has not passed get its transmittance T, times `weight`."""
+    """End a ray of a pixel: edges that it has not passed get its transmittance T times `weight`."""
     if openings is None:
         return
     pixel = row * openings.next.shape[1] + column

@@ -81,9 +81,7 @@ class DepthPass:
         own.SetBackground2(renderer.GetBackground2())
         own.SetGradientBackground(renderer.GetGradientBackground())
         # A window without alpha shows its background as it is
-        own.SetBackgroundAlpha(
-            renderer.GetBackgroundAlpha() if window.GetAlphaBitPlanes() else 1.0
-        )
+        own.SetBackgroundAlpha(renderer.GetBackgroundAlpha() if window.GetAlphaBitPlanes() else 1.0)
         own.SetUseImageBasedLighting(renderer.GetUseImageBasedLighting())
         own.SetEnvironmentTexture(renderer.GetEnvironmentTexture())
 

@@ -20,7 +20,7 @@ from .film_place import Place, place_of
 from .job import Estimate, Job, NoiselessJob, is_compiled
 from .preview import Preview
 from .quad import PictureQuad
-from .reading import SceneReader, scene_key
+from .reading import SceneReader
 from .refiner import Refiner
 from .settings import LiveSettings
 
@@ -129,11 +129,11 @@ class LiveView:
             self._rest()
             return
         props = self._around()
-        key = scene_key(self.renderer, place, volumes, props)
+        key = self._reader.key(self.renderer, place, volumes, props)
         if key != self._key:
             self._restart(place, volumes, props)
             # Reading a scene may create functions that were never set
-            self._key = scene_key(self.renderer, place, volumes, props)
+            self._key = self._reader.key(self.renderer, place, volumes, props)
         elif not self._settled and self._looked_around(place, props):
             self._settle(place, volumes, props)
         self._swap()

@@ -172,7 +172,6 @@ class Sweep:
         if self.openings is None:
             return
         left = np.ones_like(self.film.alpha)
-        height, width = left.shape
         first, top, end, bottom = (int(v) for v in self.image)
         rows = slice(max(top, 0), min(bottom, self.raster.rows))
         columns = slice(max(first, 0), min(end, self.raster.columns))
@@ -180,7 +179,7 @@ class Sweep:
         there = eye[rows, columns]
         i, j = rows.start - top, columns.start - first
         left[i : i + there.shape[0], j : j + there.shape[1]] = there
-        close_rows(self.openings, left, 0, height)
+        close_rows(self.openings, left, 0, len(left))
 
     def _begin(
         self, pool: ThreadPoolExecutor, start: int
@@ -212,7 +211,8 @@ class Sweep:
         f = self.filling
         look_rows(
             self.raster.perspective, block.places[0], block.layers, block.filled, block.visible,
-            self.eye, self.openings, self.film, self.image, f32(f.opaque), f.limited, self.light.tiers, *strip,
+            self.eye, self.openings, self.film, self.image, f32(f.opaque), f.limited,
+            self.light.tiers, *strip,
         )  # fmt: skip
 
     def _light(self, pool: ThreadPoolExecutor, block: Block) -> None:
