@@ -148,7 +148,7 @@ class Backdrop:
         """Pixels, (H, W), that any veil covers in part; None: there are no veils."""
         if self.veils is None:
             return None
-        return self.veils.counts.reshape(self.depth.shape).any(axis=0)
+        return np.any(self.veils.counts.reshape(self.depth.shape), axis=0)
 
 
 def check_backdrop(backdrop: object, size: tuple[int, int]) -> None:

@@ -116,7 +116,10 @@ def _edges(backdrop: Backdrop, place: int, pixel: NDArray[np.int64], weight: flo
     opaque = Edges(
         pixel, backdrop.depth[place].ravel(), open_to, (colour * open_to[:, None]).astype(f32)
     )
-    return opaque if veils is None else Edges(*map(np.concatenate, zip(veils, opaque, strict=True)))
+    if veils is None:
+        return opaque
+    both: list[tuple[NDArray, NDArray]] = list(zip(veils, opaque, strict=True))  # type: ignore[arg-type]
+    return Edges._make(map(np.concatenate, both))
 
 
 def _veil_edges(

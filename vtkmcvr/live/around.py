@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 from vtkmodules.vtkRenderingCore import vtkActor, vtkProp, vtkRenderer
 
@@ -67,8 +67,8 @@ def around(renderer: vtkRenderer, trace: bool, apart_from: Any) -> Around:
     traced = [prop for prop in opaque if trace and is_plain_surface(prop)]
     veils = [prop for prop in translucent if is_mesh(prop)]
     return Around(
-        traced, [prop for prop in opaque if prop not in traced], veils,
-        [prop for prop in translucent if prop not in veils],
+        cast(list[vtkActor], traced), [prop for prop in opaque if prop not in traced],
+        cast(list[vtkActor], veils), [prop for prop in translucent if prop not in veils],
     )  # fmt: skip
 
 

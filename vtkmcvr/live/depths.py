@@ -121,7 +121,8 @@ class DepthPass:
             for buffer, colour in self._peeler.layers(self._renderer, place, opaque, draw)
         ]
         if not found:
-            return Veils(np.zeros(opaque.size + 1, np.int64), [], np.zeros((0, 4), np.uint8))
+            nothing = np.zeros(0, np.float32), np.zeros((0, 4), np.uint8)
+            return Veils(np.zeros(opaque.size + 1, np.int64), *nothing)
         depth, colour = (np.stack(parts)[:, None] for parts in zip(*found, strict=True))
         return Veils.of_layers(depth, colour)
 
