@@ -77,6 +77,8 @@ class Cancellable:
 
     def __init__(self) -> None:
         self._cancelled = threading.Event()
+        self.running = threading.Event()
+        self.running.set()
         self.newest: Estimate | None = None
         self.stopped_by = ""
 
@@ -136,7 +138,9 @@ class Job(Cancellable):
     def advance(self, most: int | None = None) -> None:
         """Add samples for up to half a second, or up to `most` in all, and make an estimate."""
         goal = self._next(self.samples, most)
-        rules = schedule.StopRules(goal, self._time_left(), self._aborted, self.settings.nrms)
+        rules = schedule.StopRules(
+            goal, self._time_left(), self._aborted, self.settings.nrms, self.running
+        )
         threads = self.settings.threads or schedule.default_threads()
         why, seconds = schedule.run(self.plan.packed, self.film, rules, self.settings.seed, threads)
         self.spent += seconds

@@ -35,8 +35,8 @@ class LiveView:
     estimate of the new picture is made within the frame, and the refiner goes on with it; or, in a
     window without events, the whole picture is.
 
-    While the renderer draws, the volumes are hidden; at all other times they are as the user left
-    them.
+    While the renderer draws, the volumes are hidden and the refiner rests; at all other times they
+    are as the user left them.
 
     Parameters
     ----------
@@ -118,8 +118,10 @@ class LiveView:
             self._fail(error)
         finally:
             self._drawing = False
+        self.refiner.pause()
 
     def _end(self, *_: Any) -> None:
+        self.refiner.go_on()
         self._show_again()
 
     def _frame(self) -> None:
