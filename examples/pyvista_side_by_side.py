@@ -11,6 +11,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pyvista as pv
+from PIL import Image
 
 import vtkmcvr
 
@@ -61,6 +62,19 @@ def ct_and_mesh(plotter: pv.Plotter, image: pv.ImageData) -> None:
     plotter.add_mesh(ring, color="tomato", smooth_shading=True)
 
 
+def translucent_meshes(plotter: pv.Plotter, image: pv.ImageData) -> None:
+    """A CT in a translucent shell of many colours, with a translucent plane through both."""
+    ct(plotter, image)
+    centre, radius = np.array(image.center), image.length / 4
+    shell = pv.Sphere(radius=0.7 * radius, center=centre + radius * np.array((0.6, -0.6, 0)))
+    shell["height"] = shell.points[:, 2]
+    plotter.add_mesh(
+        shell, cmap="viridis", opacity=0.45, smooth_shading=True, show_scalar_bar=False
+    )
+    plane = pv.Plane(center=centre, direction=(0, 1, 0), i_size=2.4 * radius, j_size=2.4 * radius)
+    plotter.add_mesh(plane, color="orange", opacity=0.4)
+
+
 def several_volumes(plotter: pv.Plotter, image: pv.ImageData) -> None:
     """Two volumes in one place: a CT, and a hot spot inside it."""
     plotter.add_volume(image, **{**BONE, "opacity": [0, 0, 0.05, 0.15, 0.3, 0.5]})
@@ -95,7 +109,7 @@ def opacity_mapping(plotter: pv.Plotter, image: pv.ImageData) -> None:
 
 
 EXAMPLES: tuple[Callable[[pv.Plotter, pv.ImageData], None], ...] = (
-    ct, ct_and_mesh, several_volumes, clipped, opacity_mapping,
+    ct, ct_and_mesh, translucent_meshes, several_volumes, clipped, opacity_mapping,
 )  # fmt: skip
 
 
@@ -113,13 +127,16 @@ def pair(example: Callable[..., None], image: pv.ImageData, samples: int) -> np.
     return np.hstack([theirs, ours])
 
 
+def save_small(image: Image.Image, path: str) -> None:
+    """Write as many colours as a palette holds, dithered: a third of the size."""
+    palette = image.quantize(256, method=Image.Quantize.FASTOCTREE)
+    image.quantize(palette=palette, dither=Image.Dither.FLOYDSTEINBERG).save(path, optimize=True)
+
+
 def main(picture: str = "side_by_side.png", volume: str | None = None) -> None:
     image = vtkmcvr.read(volume) if volume else synthetic_head()
     rows = [pair(example, image, SAMPLES) for example in EXAMPLES]
-    sheet = np.vstack(rows)[::-1]
-    result = pv.ImageData(dimensions=(sheet.shape[1], sheet.shape[0], 1))
-    result.point_data["rgb"] = sheet.reshape(-1, 3)
-    result.save(picture)
+    save_small(Image.fromarray(np.vstack(rows)), picture)
 
 
 if __name__ == "__main__":

@@ -32,6 +32,7 @@ class DirectionalOcclusionFilter(PictureFilter):
     )
 
     takes_meshes = False
+    scatters = False
 
     def settings(self) -> tuple[Any, ...]:
         """Return what decides the picture beside the scene."""

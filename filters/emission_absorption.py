@@ -39,6 +39,7 @@ class EmissionAbsorptionFilter(PictureFilter):
     )  # fmt: skip
 
     takes_meshes = False
+    scatters = False
     # Composited as they are
     renderer_colours = "linear"
 

@@ -9,7 +9,13 @@ from vtkmodules.vtkCommonDataModel import vtkPolyData
 from vtkmodules.vtkRenderingCore import vtkActor, vtkProp, vtkRenderer, vtkVolume
 from vtkmodules.vtkRenderingVolume import vtkVolumeMapper
 
-from vtkmcvr.vtk_props import is_plain_surface, opaque_props, props_of, volumes_of
+from vtkmcvr.vtk_props import (
+    is_plain_surface,
+    opaque_props,
+    props_of,
+    translucent_props,
+    volumes_of,
+)
 
 from .scene_inputs import MESHES, VOLUME
 
@@ -43,9 +49,9 @@ def fill(algorithm: Filter, renderer: vtkRenderer) -> Filter:
     algorithm.actors = tuple(surfaces)
     if others:
         logger.warning(
-            "%s leaves out %d opaque props of the renderer: it takes %s",
+            "%s leaves out %d props of the renderer: it takes %s",
             type(algorithm).__name__, len(others),
-            "vtkPolyData surfaces of one colour" if algorithm.takes_meshes else "no meshes",
+            "opaque vtkPolyData surfaces of one colour" if algorithm.takes_meshes else "no meshes",
         )  # fmt: skip
     return algorithm
 
@@ -68,10 +74,10 @@ def _checked(volume: vtkVolume) -> vtkVolume:
 
 
 def _surfaces(renderer: vtkRenderer, wanted: bool) -> tuple[list[Any], list[vtkProp]]:
-    """Visible actors that can be traced, and the other opaque props."""
+    """Visible actors that can be traced, and the other props."""
     surfaces: list[Any] = []
-    others: list[vtkProp] = []
     _update_actors(renderer)
+    others = translucent_props(renderer, None)
     for prop in opaque_props(renderer, None):
         if prop.IsA("vtkSkybox"):
             continue

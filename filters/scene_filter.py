@@ -20,6 +20,7 @@ from vtkmodules.vtkRenderingVolume import vtkVolumeMapper
 from vtkmcvr import checks
 from vtkmcvr.layers import Layer
 from vtkmcvr.lights import ConstantEnvironment, EnvironmentMap, Light
+from vtkmcvr.phases import Phase
 from vtkmcvr.receivers import Receiver
 from vtkmcvr.scene import Camera, Lens, PixelFilter, Scene, Volume, known_aovs
 from vtkmcvr.studio import Studio, studio_lights
@@ -27,13 +28,13 @@ from vtkmcvr.vtk_environment import Environment, environment_of_image
 from vtkmcvr.vtk_layers import COLOURS, LayerReader
 from vtkmcvr.vtk_lights import members
 from vtkmcvr.vtk_mesh import MeshCache, look_of_actor
+from vtkmcvr.vtk_property import one_phase_of
 from vtkmcvr.vtk_scene import (
     camera_of,
     default_camera,
     default_headlight,
     lights_of,
     matrix_of,
-    phase_of,
 )
 from vtkmcvr.vtk_volume import scalars_of
 
@@ -164,8 +165,9 @@ class SceneFilter(ImageFilter):
     )  # fmt: skip
 
     inputs = PORTS
-    # What a filter of a renderer does with meshes and colours
+    # What a filter of a renderer does with meshes, phase functions and colours
     takes_meshes = True
+    scatters = True
     renderer_colours = "display"
     outputs = ("vtkImageData", "vtkTable")
 
@@ -232,7 +234,7 @@ class SceneFilter(ImageFilter):
             camera,
             self._scene_lights(volume, camera, inputs.environment),
             first.surface,
-            phase_of(self.props[0].GetProperty() if self.props else self.volume_property),
+            self._phase(),
             scattering=self.scattering,
             max_scatterings=self.max_scatterings if self.scattering == "multiple" else None,
             environment_visible=self.environment_visible,
@@ -243,6 +245,10 @@ class SceneFilter(ImageFilter):
             layers=tuple(others),
             clip=first.clip, crop=first.crop, mask=first.mask, labels=first.labels,
         )  # fmt: skip
+
+    def _phase(self) -> Phase:
+        looks = [prop.GetProperty() for prop in self.props] or [self.volume_property]
+        return one_phase_of(looks if self.scatters else looks[:1])
 
     def _layers(self, inputs: Inputs) -> list[Layer]:
         count = len(inputs.volumes)

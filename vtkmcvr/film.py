@@ -20,10 +20,12 @@ def new_film(
     sobol: packed.Sobol | None = None,
     aovs: Collection[str] = (),
     behind: bool = False,
+    veils: bool = False,
 ) -> packed.Film:
     """Empty film of width x height pixels, for samples drawn as `sobol` says.
 
-    `aovs` names the planes to record, "albedo" and "normal"; `behind`: also that of the backdrop.
+    `aovs` names the planes to record, "albedo" and "normal"; `behind`: also that of the backdrop,
+    `veils`: and what its veils leave of the volume.
     """
     plane, colour = (height, width), (height, width, 3)
     return packed.Film(
@@ -38,6 +40,7 @@ def new_film(
         normal=np.zeros(colour, np.float64) if "normal" in aovs else None,
         batches=None if sobol is None else _new_batches(colour),
         behind=np.zeros((height, width, 4), np.float64) if behind else None,
+        cover=np.zeros(plane, np.float64) if veils else None,
     )
 
 
@@ -57,7 +60,9 @@ def _copied(part: Any) -> Any:
 
 
 def alpha(film: packed.Film) -> Image:
-    """Share of samples that collided in the volume, (H, W), [0, 1]."""
+    """Share of samples that collided in the volume, (H, W), [0, 1]; less what veils cover."""
+    if film.cover is not None:
+        return film.cover.astype(np.float32)
     return (film.hits / np.maximum(film.count, 1)).astype(np.float32)
 
 

@@ -48,7 +48,7 @@ def _check(film: packed.Film, other: packed.Film) -> None:
                 *film.count.shape, *other.count.shape
             )
         )
-    for name in ("albedo", "normal", "batches"):
+    for name in ("albedo", "normal", "batches", "behind", "cover"):
         if (getattr(film, name) is None) != (getattr(other, name) is None):
             raise ValueError(f"only one of the films to be merged has {name}")
     left = film.count % packed.BATCH + other.count % packed.BATCH
@@ -66,9 +66,12 @@ def _add(film: packed.Film, other: packed.Film) -> None:
     if film.batches is not None and other.batches is not None:
         k, j = (count[..., None] // packed.BATCH for count in (n, m))
         _add_moments(*film.batches, k, *other.batches, j)
-    for mine, theirs in ((film.albedo, other.albedo), (film.normal, other.normal)):
-        if mine is not None and theirs is not None:
+    for name in ("albedo", "normal", "behind"):
+        mine, theirs = getattr(film, name), getattr(other, name)
+        if mine is not None:
             mine += (theirs - mine) * _share(n, m)[..., None]
+    if film.cover is not None and other.cover is not None:
+        film.cover[:] += (other.cover - film.cover) * _share(n, m)
     film.depth[:] += (other.depth - film.depth) * _share(film.hits, other.hits)
     for name in ("count", "hits", "rejected", "violations"):
         getattr(film, name)[:] += getattr(other, name)

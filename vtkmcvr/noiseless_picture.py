@@ -2,26 +2,19 @@
 
 from __future__ import annotations
 
-import os
-import tempfile
-from dataclasses import dataclass, field, replace
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, NoReturn, Self
+from dataclasses import dataclass, field
+from typing import Any, ClassVar, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
 
-from . import picture_files
-from .picture import check_suffix
+from .displayed import Displayed
 from .plan import Plan
 from .screen import Display, shown
 
-if TYPE_CHECKING:
-    import pyvista
-
 
 @dataclass(frozen=True, eq=False)
-class NoiselessPicture:
+class NoiselessPicture(Displayed):
     """Picture by a technique whose rays meet no chance; a subclass says which.
 
     Attributes
@@ -44,6 +37,8 @@ class NoiselessPicture:
         What the picture took.
     recipe : dict
         What was asked for.
+    behind : array (H, W, 4), optional
+        What the scene's backdrop shows through the volume at its edges and veils, premultiplied.
     """
 
     planes: dict[str, NDArray[np.float32]]
@@ -56,6 +51,7 @@ class NoiselessPicture:
     work: Any
     seed: int = 0
     recipe: dict[str, Any] = field(default_factory=dict)
+    behind: NDArray[np.float64] | None = None
 
     technique: ClassVar[str]
     # Biased and deterministic: there is no standard error to give, and no noise to reduce
@@ -101,18 +97,9 @@ class NoiselessPicture:
         """Pixels that are not finite; 0 unless something is wrong."""
         return int(self.radiance.size // 3 - np.isfinite(self.radiance).all(axis=-1).sum())
 
-    @property
-    def rgba(self) -> NDArray[np.uint8]:
-        """Display picture, (H, W, 4): tone-mapped sRGB with straight alpha."""
-        return self.show(self.display)
-
     def show(self, display: Display, bits: int = 8) -> NDArray[Any]:
         """Display picture under another display, (H, W, 4), uint8, or uint16 for 16 bits."""
         return shown(self.radiance, self.alpha, display, bits)
-
-    def with_display(self, display: Display | None = None, **changes: Any) -> Self:
-        """The same film under another display, or with parts of it changed."""
-        return replace(self, display=replace(display or self.display, **changes))
 
     def denoised(self, method: str = "knn") -> NoReturn:
         """Refuse: there is no noise."""
@@ -121,16 +108,6 @@ class NoiselessPicture:
     def arrays(self) -> dict[str, NDArray]:
         """All arrays by public name."""
         return {"rgba": self.rgba, **self.planes}
-
-    def to_pyvista(self) -> pyvista.ImageData:
-        """Image of W x H x 1 points with all arrays; `rgba` is active."""
-        from .pyvista_hooks.convert import to_pyvista
-
-        return to_pyvista(self)
-
-    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
-        """Return `rgba`, for NumPy."""
-        return np.asarray(self.rgba, dtype)
 
     def facts(self) -> dict[str, Any]:
         """What was measured, as plain JSON values."""
@@ -156,32 +133,7 @@ class NoiselessPicture:
         """Settings of the technique, and what `vtkmcvr.replay` reads; by subclasses."""
         raise NotImplementedError
 
-    def save(self, path: str | os.PathLike, *, bits: int = 8) -> Path:
-        """Write .png (display picture) or .exr, .npz, .vti (float radiance, AOVs), with the recipe.
-
-        Parameters
-        ----------
-        path : path-like
-        bits : {8, 16}
-            Of a .png.
-        """
-        target = check_suffix(path)
-        suffix = target.suffix.lower()
-        if bits != 8 and suffix != ".png":
-            raise ValueError(f"bits is for .png; {target.name} has floats")
-        recipe = self._recipe()
-        if suffix == ".png":
-            text = {picture_files.RECIPE: picture_files.recipe_json(recipe)}
-            picture_files.write_png(target, self.show(self.display, bits), text)
-        elif suffix == ".npz":
-            picture_files.write_npz(target, self.arrays(), recipe)
-        elif suffix == ".vti":
-            picture_files.write_vti(target, self.arrays(), recipe)
-        else:
-            picture_files.write_exr(target, self.planes, recipe)
-        return target
-
-    def _recipe(self) -> dict[str, Any]:
+    def saved_recipe(self) -> dict[str, Any]:
         """What the front door noted, what came out, and what the technique adds."""
         return {
             **self.recipe,
@@ -194,8 +146,3 @@ class NoiselessPicture:
             },
             **self.own_recipe(),
         }  # fmt: skip
-
-    def _repr_png_(self) -> bytes:
-        """Show itself in a notebook."""
-        with tempfile.TemporaryDirectory() as folder:
-            return self.save(Path(folder) / "picture.png").read_bytes()

@@ -411,6 +411,26 @@ class Backdrop(NamedTuple):
     colour: NDArray[np.uint8]  # (places, H, W, 4) as displayed
     offsets: NDArray[np.float64]  # (places, 2) position in the pixel
     axis: Vector64
+    veils: Veils | None
+
+
+class Veils(NamedTuple):
+    """Translucent surfaces before a backdrop, nearest first."""
+
+    first: NDArray[np.int64]  # (places H W + 1,) of each place, row and column
+    depth: NDArray[np.float32]  # (n,) along the view axis
+    colour: NDArray[np.uint8]  # (n, 4) as displayed, straight alpha
+
+
+class Openings(NamedTuple):
+    """Edges of a backdrop in each pixel, nearest first: what is behind is covered in part."""
+
+    first: NDArray[np.int64]  # (rows columns + 1,)
+    depth: NDArray[np.float32]  # (n,) along the view axis
+    left: NDArray[np.float32]  # (n,) share of the pixel that is open behind it
+    through: NDArray[np.float32]  # (n,) transmittance of the volume up to it, written by kernels
+    next: NDArray[np.int64]  # (rows, columns) first edge that rays have not passed yet
+    axis: Vector64
 
 
 class Batches(NamedTuple):
@@ -434,7 +454,9 @@ class Film(NamedTuple):
     albedo: NDArray[np.float64] | None
     normal: NDArray[np.float64] | None  # world-space unit vectors toward the camera
     batches: Batches | None  # where samples of a batch depend on each other
-    behind: NDArray[np.float64] | None  # (H, W, 4) mean of the backdrop, 0 for a hit
+    # (H, W, 4) mean of what backdrop and veils show, times what is left of it before the volume
+    behind: NDArray[np.float64] | None
+    cover: NDArray[np.float64] | None  # (H, W) mean of what veils leave of the hits
 
 
 class Integrals(NamedTuple):

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import os
-import tempfile
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
-from pathlib import Path
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import film as films
-from . import packed, picture_files
+from . import packed
 from .adaptive import Density, level_of
+from .displayed import Displayed, check_suffix
 from .plan import Plan
 from .recipe import recipe_of
 from .schedule import Progress
@@ -23,15 +21,11 @@ from .screen import Display, shown
 __all__ = ["Display", "Picture", "check_suffix"]
 
 if TYPE_CHECKING:
-    import pyvista
-
     from .denoised_picture import DenoisedPicture
-
-SUFFIXES = (".png", ".exr", ".npz", ".vti")
 
 
 @dataclass(frozen=True, eq=False)
-class Picture:
+class Picture(Displayed):
     """Result of `vtkmcvr.render`.
 
     Attributes
@@ -144,11 +138,6 @@ class Picture:
         return f"{self.threads} threads" if self.backend == "cpu" else f"CUDA ({self.device})"
 
     @property
-    def rgba(self) -> NDArray[np.uint8]:
-        """Display picture, (H, W, 4): tone-mapped sRGB with straight alpha."""
-        return self.show(self.display)
-
-    @property
     def denoiser(self) -> dict[str, Any] | None:
         """How noise was reduced, as plain JSON values; None: not at all."""
         return None
@@ -157,15 +146,6 @@ class Picture:
         """Display picture under another display, (H, W, 4), uint8, or uint16 for 16 bits."""
         opaque = bool(self.plan.packed.environment_visible)
         return shown(self.radiance, None if opaque else self.alpha, display, bits)
-
-    def with_display(self, display: Display | None = None, **changes: Any) -> Picture:
-        """The same film under another display, or with parts of it changed; traces no ray.
-
-        Examples
-        --------
-        >>> brighter = picture.with_display(exposure=1.0)
-        """
-        return replace(self, display=replace(display or self.display, **changes))
 
     def denoised(self, method: str = "knn") -> DenoisedPicture:
         """Picture with less noise, and a bias; traces no ray. This one stays as measured.
@@ -210,16 +190,6 @@ class Picture:
         }
         return {name: array for name, array in arrays.items() if array is not None}
 
-    def to_pyvista(self) -> pyvista.ImageData:
-        """Image of W x H x 1 points with all arrays; `rgba` is active."""
-        from .pyvista_hooks.convert import to_pyvista
-
-        return to_pyvista(self)
-
-    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
-        """Return `rgba`, for NumPy."""
-        return np.asarray(self.rgba, dtype)
-
     def facts(self) -> dict[str, Any]:
         """What was measured, as plain JSON values; an unknown NRMS is None."""
         return {
@@ -241,44 +211,6 @@ class Picture:
             "size": list(self.size),
         }
 
-    def save(self, path: str | os.PathLike, *, bits: int = 8) -> Path:
-        """Write .png (display picture) or .exr, .npz, .vti (float radiance and AOVs).
-
-        Each holds the recipe, which `vtkmcvr.replay` reads. Radiance is linear and premultiplied by
-        alpha, as EXR has it; a PNG has straight alpha, see `vtkmcvr.display.to_rgba8`.
-
-        Parameters
-        ----------
-        path : path-like
-        bits : {8, 16}
-            Of a .png.
-        """
-        target = check_suffix(path)
-        suffix = target.suffix.lower()
-        if bits != 8 and suffix != ".png":
-            raise ValueError(f"bits is for .png; {target.name} has floats")
-        recipe = recipe_of(self)
-        if suffix == ".png":
-            text = {picture_files.RECIPE: picture_files.recipe_json(recipe)}
-            picture_files.write_png(target, self.show(self.display, bits), text)
-        elif suffix == ".npz":
-            picture_files.write_npz(target, self.arrays(), recipe)
-        elif suffix == ".vti":
-            picture_files.write_vti(target, self.arrays(), recipe)
-        else:
-            planes = {name: array for name, array in self.arrays().items() if name != "rgba"}
-            picture_files.write_exr(target, planes, recipe)
-        return target
-
-    def _repr_png_(self) -> bytes:
-        """Show itself in a notebook."""
-        with tempfile.TemporaryDirectory() as folder:
-            return self.save(Path(folder) / "picture.png").read_bytes()
-
-
-def check_suffix(path: str | os.PathLike) -> Path:
-    """Path to save a picture to, or a ValueError that lists the file types."""
-    target = Path(path)
-    if target.suffix.lower() not in SUFFIXES:
-        raise ValueError(f"a picture is saved as {', '.join(SUFFIXES)}; got {target.name!r}")
-    return target
+    def saved_recipe(self) -> dict[str, Any]:
+        """What a file of it says about how it was made; see `vtkmcvr.recipe`."""
+        return recipe_of(self)

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import packed
+from .backdrop import Backdrop
 from .camera import Camera, Lens, PixelFilter
 from .effects import Effect
 from .pack import f32, matrix64, vector, vector64
@@ -106,10 +107,18 @@ def pack_backdrop(scene: Scene) -> tuple[packed.Backdrop | None, Effect]:
         raise ValueError("a backdrop is of one view: neither a panorama nor stereo can have one")
     places = len(backdrop.depth)
     why = f"camera rays end at what another renderer drew, {places} places in a pixel"
+    if backdrop.veils is not None:
+        why += ", and are covered by translucent surfaces on their way"
     result = packed.Backdrop(
-        backdrop.depth, backdrop.colour, backdrop.offsets, vector64(scene.camera.frame[2])
-    )
+        backdrop.depth, backdrop.colour, backdrop.offsets, vector64(scene.camera.frame[2]),
+        _pack_veils(backdrop),
+    )  # fmt: skip
     return result, Effect(name, True, why)
+
+
+def _pack_veils(backdrop: Backdrop) -> packed.Veils | None:
+    veils = backdrop.veils
+    return None if veils is None else packed.Veils(veils.first, veils.depth, veils.colour)
 
 
 def _filter_table(pixel_filter: PixelFilter) -> NDArray[np.float32]:

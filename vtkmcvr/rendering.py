@@ -111,10 +111,11 @@ def with_note(planned: Plan, note: str) -> Plan:
 
 def empty_film(planned: Plan) -> packed.Film:
     """Film without samples, with all that the scene asks for."""
-    scene = planned.scene
+    scene, backdrop = planned.scene, planned.scene.backdrop
     return new_film(
-        *scene.size, planned.packed.sobol, scene.aovs, behind=scene.backdrop is not None
-    )
+        *scene.size, planned.packed.sobol, scene.aovs, behind=backdrop is not None,
+        veils=backdrop is not None and backdrop.veils is not None,
+    )  # fmt: skip
 
 
 def continue_picture(

@@ -28,6 +28,7 @@ Tile = tuple[int, int, int, int]
 # Work between two looks at abort and deadline, and length of a pass, in seconds
 TILE_SECONDS, PASS_SECONDS, POLL_SECONDS = 0.02, 0.5, 0.02
 FIRST_TILE, LARGEST_TILE = 64, 64
+PAUSE_SECONDS = 1.0
 COMPILE_MESSAGE_AFTER = 1.0
 UNLIMITED = 2**40
 # Before an error is believed: samples of a pixel, and paths in all, so that a light that one path
@@ -70,12 +71,15 @@ class StopRules:
         Error to reach: the upper end of its 95 % interval. A picture that stays black ends too.
     abort : callable, optional
         Asked every few hundredths of a second; True ends the render.
+    running : threading.Event, optional
+        While it is not set, no tile is begun, but for no longer than `PAUSE_SECONDS` at a time.
     """
 
     samples: int | None
     seconds: float | None
     abort: Callable[[], bool] | None
     nrms: float | None = None
+    running: threading.Event | None = None
 
 
 def run(
@@ -232,6 +236,8 @@ class Runner:
 
     def _work(self, tiles: Iterator[Tile], lock: threading.Lock, goal: NDArray[np.int64]) -> None:
         while not self.halt.is_set():
+            if self.rules.running is not None:
+                self.rules.running.wait(PAUSE_SECONDS)
             with lock:
                 tile = next(tiles, None)
             if tile is None:

@@ -9,6 +9,7 @@ import numpy as np
 
 from .curves import ColourCurve
 from .display import srgb_decode
+from .labels import Labels
 from .scene import TransferFunction, Volume
 from .vtk_components import Look
 
@@ -35,6 +36,12 @@ def linear_transfer(transfer: TransferFunction) -> TransferFunction:
         return replace(transfer, table=replace(transfer.table, rgba=rgba))
     assert transfer.colour is not None
     return replace(transfer, colour=linear_colours(transfer.colour))
+
+
+def linear_labels(labels: Labels) -> Labels:
+    """Labels whose transfer functions' colours have become reflectances."""
+    transfers = {k: None if t is None else linear_transfer(t) for k, t in labels.transfers.items()}
+    return Labels(labels.values, transfers)
 
 
 def linear_colours(curve: ColourCurve) -> ColourCurve:

@@ -18,6 +18,8 @@ from .vtk_transfer import colour_curve, grey_curve, opacity_curve
 from .vtk_volume import volume_of
 
 BINARY = 0
+# Labels are looked for below this
+MOST_LABELS = 2**16
 
 
 class MaskCache:
@@ -94,6 +96,38 @@ def mask_of(
                 "SetMaskBlendFactor(1)"
             )
     return (cache or MaskCache()).mask(image, volume_property, kind)
+
+
+class LabelTimes:
+    """When functions of labels have changed last: a property's own time does not tell."""
+
+    def __init__(self) -> None:
+        self._key: tuple[int, int] | None = None
+        self._functions: list[Any] = []
+
+    def of(self, volume_property: vtkVolumeProperty) -> int:
+        """Latest modification time of any label's function; 0 without any."""
+        count = volume_property.GetNumberOfLabels()
+        key = (volume_property.GetMTime(), count)
+        if key != self._key:
+            self._functions, self._key = _label_functions(volume_property, count), key
+        return max((function.GetMTime() for function in self._functions), default=0)
+
+
+def _label_functions(own: vtkVolumeProperty, count: int) -> list[Any]:
+    """Functions of all labels, which VTK hands out by number only."""
+    found, functions = 0, []
+    for label in range(MOST_LABELS):
+        if found == count:
+            break
+        all_three = (
+            own.GetLabelColor(label), own.GetLabelScalarOpacity(label),
+            own.GetLabelGradientOpacity(label),
+        )  # fmt: skip
+        there = [function for function in all_three if function is not None]
+        found += bool(there)
+        functions += there
+    return functions
 
 
 def label_transfers_of(

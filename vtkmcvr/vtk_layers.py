@@ -11,10 +11,9 @@ from vtkmodules.vtkRenderingCore import vtkVolumeProperty
 from vtkmodules.vtkRenderingVolume import vtkVolumeMapper
 
 from .display import srgb_decode
-from .labels import Labels
 from .layers import Layer
 from .scene import Volume
-from .vtk_colours import linear_transfer
+from .vtk_colours import linear_labels, linear_transfer
 from .vtk_components import looks_of
 from .vtk_cutting import clip_of, cropping_of
 from .vtk_labels import MaskCache, mask_of
@@ -78,7 +77,7 @@ class LayerReader:
         placed = self._place([look.volume for look in looks], matrix, decoded)
         cuts = self._cuts(mapper, volume_property, mask, mask_type)
         if decoded and cuts["labels"] is not None:
-            cuts["labels"] = _linear_labels(cuts["labels"])
+            cuts["labels"] = linear_labels(cuts["labels"])
         return tuple(
             Layer(
                 volume, linear_transfer(look.transfer) if decoded else look.transfer, look.surface,
@@ -119,11 +118,6 @@ class LayerReader:
             known[id(volume)] = old
         self._placed = known
         return [found for _, _, found in known.values()]
-
-
-def _linear_labels(labels: Labels) -> Labels:
-    transfers = {k: None if t is None else linear_transfer(t) for k, t in labels.transfers.items()}
-    return Labels(labels.values, transfers)
 
 
 def _placed(volume: Volume, matrix: NDArray[np.float64], decoded: bool) -> Volume:

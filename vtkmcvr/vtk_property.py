@@ -5,7 +5,7 @@ Interpolation is always linear, whatever the property says: a new vtkVolumePrope
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from vtkmodules.vtkRenderingCore import vtkVolumeProperty
@@ -112,6 +112,23 @@ def phase_of(volume_property: vtkVolumeProperty) -> Phase:
     """
     g = float(volume_property.GetScatteringAnisotropy())
     return HenyeyGreenstein(float(np.clip(g, -MOST_FORWARD, MOST_FORWARD))) if g else Isotropic()
+
+
+def one_phase_of(properties: Sequence[vtkVolumeProperty]) -> Phase:
+    """Phase function that several volumes share.
+
+    Raises
+    ------
+    ValueError
+        Where they differ: a scene has one phase function.
+    """
+    found = [float(own.GetScatteringAnisotropy()) for own in properties]
+    if len(set(found)) > 1:
+        raise ValueError(
+            f"the volumes' scattering anisotropies are {', '.join(f'{g:g}' for g in found)}, but a "
+            "scene has one phase function: call SetScatteringAnisotropy with one number on all"
+        )
+    return phase_of(properties[0])
 
 
 def refuse_mapper_features(mapper: vtkVolumeMapper) -> None:

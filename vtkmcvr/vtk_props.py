@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any, cast
 
-from vtkmodules.vtkCommonDataModel import vtkPolyData
+from vtkmodules.vtkCommonDataModel import vtkDataSet, vtkPolyData
 from vtkmodules.vtkRenderingCore import (
     VTK_SURFACE,
     vtkActor,
@@ -14,6 +14,9 @@ from vtkmodules.vtkRenderingCore import (
     vtkRenderer,
     vtkVolume,
 )
+
+# Others, of glyphs, blocks or splats, draw what is not in their input
+PLAIN_MAPPERS = ("vtkPolyDataMapper", "vtkOpenGLPolyDataMapper", "vtkDataSetMapper")
 
 
 def identity(thing: Any) -> str:
@@ -48,6 +51,27 @@ def opaque_props(renderer: vtkRenderer, apart_from: Any) -> list[vtkProp]:
         and prop is not apart_from
         and prop.HasOpaqueGeometry()
     ]
+
+
+def translucent_props(renderer: vtkRenderer, apart_from: Any) -> list[vtkProp]:
+    """Visible props with translucent geometry, without volumes, overlays and one actor."""
+    return [
+        prop
+        for prop in props_of(renderer)
+        if isinstance(prop, vtkProp3D)
+        and not isinstance(prop, vtkVolume)
+        and prop.GetVisibility()
+        and prop is not apart_from
+        and prop.HasTranslucentPolygonalGeometry()
+    ]
+
+
+def is_mesh(prop: vtkProp) -> bool:
+    """Whether a prop is one data set of points and cells, as its own mapper draws it."""
+    mapper = prop.GetMapper() if isinstance(prop, vtkActor) else None
+    if mapper is None or mapper.GetClassName() not in PLAIN_MAPPERS:
+        return False
+    return isinstance(mapper.GetInput(), vtkDataSet)
 
 
 def is_plain_surface(prop: vtkProp) -> bool:

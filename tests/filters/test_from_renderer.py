@@ -7,23 +7,26 @@ import pytest
 import vtkmodules.vtkRenderingOpenGL2
 import vtkmodules.vtkRenderingVolumeOpenGL2
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
-from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
-from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPlane
+from vtkmodules.vtkCommonCore import VTK_UNSIGNED_CHAR, vtkUnsignedCharArray
+from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction, vtkPlane
 from vtkmodules.vtkFiltersSources import vtkConeSource
 from vtkmodules.vtkImagingCore import vtkRTAnalyticSource
 from vtkmodules.vtkRenderingCore import (
     vtkActor,
     vtkCamera,
+    vtkColorTransferFunction,
     vtkLight,
     vtkPolyDataMapper,
     vtkRenderer,
     vtkRenderWindow,
     vtkTexture,
     vtkVolume,
+    vtkVolumeProperty,
 )
-from vtkmodules.vtkRenderingVolume import vtkMultiVolume
+from vtkmodules.vtkRenderingVolume import vtkGPUVolumeRayCastMapper, vtkMultiVolume
 from vtkmodules.vtkRenderingVolumeOpenGL2 import vtkSmartVolumeMapper
 
+from vtkmcvr.display import srgb_decode
 from vtkmcvr.filters import DirectionalOcclusionFilter, MonteCarloFilter, ToneMapFilter
 from vtkmcvr.filters.scene_values import value_of
 from vtkmcvr.lights import EnvironmentMap
@@ -140,6 +143,45 @@ def test_it_is_the_scene_that_a_live_view_shows(renderer):
     np.testing.assert_array_equal(mesh.points, same.points)
 
 
+def labelled(pipeline):
+    """Renderer of a volume with a label map, and the label's colour function."""
+    labels, colour, opacity = vtkImageData(), vtkColorTransferFunction(), vtkPiecewiseFunction()
+    pipeline.source.Update()
+    labels.CopyStructure(pipeline.source.GetOutput())
+    labels.AllocateScalars(VTK_UNSIGNED_CHAR, 1)
+    labels.GetPointData().GetScalars().Fill(1)
+    colour.AddRGBPoint(0, 0.5, 0.25, 0.1)
+    opacity.AddPoint(0, 0.3)
+    pipeline.property.SetLabelColor(1, colour)
+    pipeline.property.SetLabelScalarOpacity(1, opacity)
+    mapper, prop, renderer = vtkGPUVolumeRayCastMapper(), vtkVolume(), vtkRenderer()
+    mapper.SetInputConnection(pipeline.source.GetOutputPort())
+    mapper.SetMaskInput(labels)
+    mapper.SetMaskTypeToLabelMap()
+    mapper.SetMaskBlendFactor(1)
+    prop.SetMapper(mapper)
+    prop.SetProperty(pipeline.property)
+    renderer.AddViewProp(prop)
+    return renderer, colour
+
+
+def test_colours_of_labels_are_decoded_in_a_live_view_too(pipeline):
+    renderer, colour = labelled(pipeline)
+    reader = SceneReader()
+
+    def live():
+        scene = reader.scene(renderer, SIZE, volumes_of(renderer), (), None, LiveSettings())
+        return scene.labels.transfers[1]
+
+    theirs = scene_of(MonteCarloFilter.from_renderer(renderer)).labels.transfers[1]
+    assert value_of(live()) == value_of(theirs)
+    np.testing.assert_allclose(live().colour([0.0])[0], srgb_decode(np.array((0.5, 0.25, 0.1))))
+    # An edit of the label's function is noticed
+    colour.RemoveAllPoints()
+    colour.AddRGBPoint(0, 1, 1, 1)
+    np.testing.assert_allclose(live().colour([0.0])[0], 1)
+
+
 def edits(renderer):
     first, *_ = volumes_of(renderer)
     return {
@@ -197,12 +239,12 @@ def test_what_is_left_out_is_said(renderer, caplog):
     renderer.AddActor(actor)
     with caplog.at_level(logging.WARNING, "vtkmcvr"):
         render = MonteCarloFilter.from_renderer(renderer)
-    assert "leaves out 1 opaque props" in caplog.text
+    assert "leaves out 1 props" in caplog.text
     assert len(render.actors) == 1
     caplog.clear()
     with caplog.at_level(logging.WARNING, "vtkmcvr"):
         assert DirectionalOcclusionFilter.from_renderer(renderer).actors == ()
-    assert "leaves out 2 opaque props of the renderer: it takes no meshes" in caplog.text
+    assert "leaves out 2 props of the renderer: it takes no meshes" in caplog.text
 
 
 def test_what_cannot_be_is_refused(pipeline):
@@ -219,6 +261,32 @@ def test_what_cannot_be_is_refused(pipeline):
     sheared.GetActiveCamera().SetViewShear(0.1, 0, 1)
     with pytest.raises(ValueError, match="view shear"):
         MonteCarloFilter.from_renderer(sheared).Update()
+
+
+def test_translucent_meshes_are_left_out_with_a_word(pipeline, caplog):
+    renderer = vtkRenderer()
+    renderer.AddViewProp(volume(pipeline.source, pipeline.property))
+    actor = surface()
+    actor.GetProperty().SetOpacity(0.5)
+    renderer.AddActor(actor)
+    with caplog.at_level(logging.WARNING, "vtkmcvr"):
+        assert MonteCarloFilter.from_renderer(renderer).actors == ()
+    assert "leaves out 1 props of the renderer: it takes opaque vtkPolyData" in caplog.text
+
+
+def test_volumes_that_scatter_in_different_ways_are_refused(pipeline):
+    """A scene has one phase function; one that is not asked for it takes any."""
+    renderer, other = vtkRenderer(), vtkVolumeProperty()
+    other.DeepCopy(pipeline.property)
+    other.SetScatteringAnisotropy(0.4)
+    for x, look in ((0.0, pipeline.property), (3.0, other)):
+        renderer.AddViewProp(volume(pipeline.source, look, x))
+    render = MonteCarloFilter.from_renderer(renderer, film_size=SIZE, samples=1)
+    with pytest.raises(ValueError, match=r"anisotropies are 0, 0\.4"):
+        render.Update()
+    assert scene_of(DirectionalOcclusionFilter.from_renderer(renderer)).layers
+    pipeline.property.SetScatteringAnisotropy(0.4)
+    assert scene_of(MonteCarloFilter.from_renderer(renderer)).phase.g == pytest.approx(0.4)
 
 
 def test_environment_of_a_cube_map_and_a_skybox(pipeline):

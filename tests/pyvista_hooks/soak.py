@@ -76,6 +76,7 @@ class Editor:
 
     def mesh(self):
         self.ball.SetPosition(*self.random.normal(size=3))
+        self.ball.prop.opacity = float(self.random.choice((0.5, 1.0)))
 
     def voxels(self):
         image = blob(33)

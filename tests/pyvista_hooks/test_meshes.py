@@ -9,6 +9,7 @@ from plotters import SIZE, add, fog, look, pixels, plotter
 
 from vtkmcvr import film_error
 from vtkmcvr.live import view
+from vtkmcvr.live.depths import CENTRE
 from vtkmcvr.receivers import SphereReceiver
 from vtkmcvr.rendering import render_scene
 
@@ -96,6 +97,36 @@ def test_edges_of_meshes_are_mixed_as_their_parts_are(monkeypatch):
     monkeypatch.setattr(view, "edges_of", lambda backdrop: np.zeros(backdrop.depth.shape[1:], bool))
     small, mean, edge = picture_and_truth()
     assert np.abs(small - mean).max(axis=2)[edge].mean() > 12
+
+
+@pytest.mark.parametrize("technique", ["occlusion", "emission-absorption"])
+def test_without_noise_meshes_hide_the_volume_at_their_edges_too(technique, monkeypatch):
+    """A ball half inside of fog, with a translucent one around it, against more pixels."""
+
+    def shot(enlarged):
+        target = scene_with_ball()
+        target.add_mesh(pv.Sphere(radius=1.2), color="blue", opacity=0.3, lighting=False)
+        target.window_size = [enlarged * n for n in SIZE]
+        target.mcvr.enable(technique=technique)
+        image, picture = pixels(target), target.mcvr.picture
+        target.close()
+        return image, picture
+
+    small, picture = shot(1)
+    large, _ = shot(4)
+    rows, columns = small.shape[:2]
+    mean = large.reshape(rows, 4, columns, 4, 3).mean(axis=(1, 3))
+    edge, inside = outline(picture.plan.scene.backdrop.depth[0])
+    effect = next(e for e in picture.plan.effects if e.name == "backdrop")
+    assert effect.on
+    off = np.abs(small - mean).max(axis=2)
+    # Bytes; slices and steps of a coarser picture, and eight places at the edge
+    assert off[inside].mean() < 2 and off[~edge].mean() < 2
+    assert off[edge].mean() < 7
+    # One place in a pixel makes steps
+    monkeypatch.setattr(view, "SPREAD", CENTRE)
+    small, _ = shot(1)
+    assert np.abs(small - mean).max(axis=2)[edge].mean() > 10
 
 
 def test_traced_meshes_receive_the_shadow_of_the_volume():

@@ -264,6 +264,15 @@ def test_what_cannot_be_rendered_is_said_before_anything_changes():
     target.close()
 
 
+def test_volumes_that_scatter_in_different_ways_are_refused(scene):
+    target, _ = scene
+    other = add(target, blob(9))
+    other.prop.SetScatteringAnisotropy(0.5)
+    with pytest.raises(ValueError, match=r"anisotropies are 0, 0\.5"):
+        target.mcvr.enable(samples=1)
+    assert not target.mcvr.enabled
+
+
 def test_what_stops_being_possible_is_left_to_vtk_with_a_warning(scene):
     target, volume = scene
     target.mcvr.enable(samples=2)

@@ -70,6 +70,30 @@ def test_a_change_stops_the_refinement_at_once(target):
     assert job.samples - samples <= 1
 
 
+def test_the_refiner_rests_while_a_frame_is_drawn(target):
+    """No tile is begun between the two ends of a frame, and it goes on behind it."""
+    target.mcvr.enable(samples=2**30)
+    target.render()
+    target.render()
+    view, counts = view_of(target), []
+
+    def look_on(*_):
+        # Tiles at work are finished
+        time.sleep(0.2)
+        for _ in range(2):
+            counts.append(int(view.job.film.count.sum()))
+            time.sleep(0.2)
+
+    tag = target.renderer.AddObserver("StartEvent", look_on, -1.0)
+    target.render()
+    target.renderer.RemoveObserver(tag)
+    assert len(counts) == 2 and counts[0] == counts[1]
+    end = time.perf_counter() + 20
+    while view.job.film.count.sum() == counts[1]:
+        assert time.perf_counter() < end
+        time.sleep(0.05)
+
+
 def test_errors_of_the_thread_reach_the_interface(target, monkeypatch):
     target.mcvr.wait(timeout=120)
 

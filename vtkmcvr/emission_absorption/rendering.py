@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from .. import checks, packed
 from ..kernels.absorption import RAY_COLUMNS, absorb_rows
 from ..occlusion.medium import OPAQUE, Filled, volumes_of
+from ..openings import Openings, openings_of
 from ..pack import f32, f64, matrix, matrix64, vector64
 from ..phases import Isotropic
 from ..plan import Plan, plan
@@ -82,14 +83,17 @@ def render_emission_absorption(
     planned = plan(_bare(scene, settings))
     _check_distance(planned, settings)
     film = _film(scene)
-    rows = _rows(planned, settings, film)
+    openings = None
+    if scene.backdrop is not None:
+        openings = openings_of(scene.backdrop, scene.camera.frame[2])
+    rows = _rows(planned, settings, film, openings)
     begin = perf_counter()
     steps, ended = _run(rows, film, threads, progress, abort)
     effects, notes = effects_of(scene, planned, settings)
     return EmissionAbsorptionPicture(
         _planes(film), replace(planned, scene=scene, effects=effects, notes=notes), settings,
         display or AS_VTK, perf_counter() - begin, "end" if ended else "user", threads, steps,
-        recipe=recipe or {},
+        recipe=recipe or {}, behind=None if openings is None else openings.behind(),
     )  # fmt: skip
 
 
@@ -159,17 +163,21 @@ def _march(settings: EmissionAbsorption) -> packed.March:
     )  # fmt: skip
 
 
-def _rows(planned: Plan, settings: EmissionAbsorption, film: packed.RayFilm) -> Rows:
+def _rows(
+    planned: Plan, settings: EmissionAbsorption, film: packed.RayFilm, openings: Openings | None
+) -> Rows:
     """Return what renders some rows, compiled; they are left empty where all of the scene is."""
     scene = planned.packed
     volumes = _absorbers(planned, film.normal is not None)
-    march = _march(settings)
+    march, edges = _march(settings), None if openings is None else openings.packed
 
     def rows(first: int, end: int) -> tuple[int, int]:
         if planned.empty:
+            if edges is not None:
+                edges.through[:] = 1
             return 0, 0
         rays = np.zeros((len(volumes), RAY_COLUMNS), f32)
-        return absorb_rows(volumes, scene.camera, scene.backdrop, march, rays, film, first, end)
+        return absorb_rows(volumes, scene.camera, edges, march, rays, film, first, end)
 
     compiling(lambda: rows(0, 0))
     return rows

@@ -10,7 +10,7 @@ import math
 import numpy as np
 from numba import literal_unroll
 
-from .backdrop import ray_end
+from .backdrop import along_axis, close_openings, open_share
 from .camera import filtered_position, ray_through
 from .cone_transfer import NARROW, entry_at, first_entry, integral_at, stretch_extinction
 from .event import place_in, ray_interval
@@ -298,15 +298,17 @@ def accumulate_vector(plane, row, column, weight, value):
 
 
 @device
-def add_ray(volumes, rays, march, film, row, column, origin, d, end):
-    """Composite one ray, which ends at distance `end`, front to back, onto its pixel.
+def add_ray(volumes, rays, openings, march, film, row, column, origin, d):
+    """Composite one ray front to back onto its pixel, as far as `openings` leave it open.
 
     Returns (steps on its way, those that it looked at).
     """
+    weight = ONE / f32(march.rays * march.rays)
     enter, leave, fastest = whole_interval(volumes, origin, d)
-    leave = min(leave, end)
     if not enter < leave:
+        close_openings(openings, row, column, ONE, weight)
         return i64(0), i64(0)
+    per_length = along_axis(openings, d)
     place_rays(volumes, rays, origin, d, enter)
     count = max(steps_of(march, leave - enter, fastest), i64(1))
     length = f32(leave - enter)
@@ -334,7 +336,13 @@ def add_ray(volumes, rays, march, film, row, column, origin, d, end):
             continue
         quiet = not depth > ZERO and parts < PARTS
         if depth > ZERO:
-            seen = -T * math.expm1(-depth)
+            share = open_share(
+                openings, row, column, T, depth, per_length * (f32(enter) + t), per_length * width,
+                weight,
+            )  # fmt: skip
+            if not share > ZERO:
+                break
+            seen = -share * T * math.expm1(-depth)
             share = seen / depth
             light, albedo = add(light, scale(a, share)), add(albedo, scale(b, share))
             normal = add(normal, scale(c, share))
@@ -344,7 +352,7 @@ def add_ray(volumes, rays, march, film, row, column, origin, d, end):
         part += 1
         if part == parts:
             k, part, parts = k + 1, i64(0), i64(1)
-    weight = ONE / f32(march.rays * march.rays)
+    close_openings(openings, row, column, T, weight)
     accumulate_vector(film.radiance, row, column, weight, light)
     accumulate_vector(film.albedo, row, column, weight, albedo)
     accumulate_vector(film.normal, row, column, weight, normal)
@@ -354,7 +362,7 @@ def add_ray(volumes, rays, march, film, row, column, origin, d, end):
 
 
 @kernel
-def absorb_rows(volumes, camera, backdrop, march, rays, film, row_0, row_1):
+def absorb_rows(volumes, camera, openings, march, rays, film, row_0, row_1):
     """Picture of some rows; `rays` (volumes, RAY_COLUMNS) float32 is room to work in.
 
     The n x n rays of a pixel go through even parts of its filter: one ray, through its centre.
@@ -369,8 +377,7 @@ def absorb_rows(volumes, camera, backdrop, march, rays, film, row_0, row_1):
                     x = filtered_position(camera.filter, column, (f32(i) + HALF) / f32(n))
                     y = filtered_position(camera.filter, row, (f32(j) + HALF) / f32(n))
                     origin, d, _ = ray_through(camera, None, column, x, y, None)
-                    end, _, _, _ = ray_end(backdrop, x, y, d)
-                    a, b = add_ray(volumes, rays, march, film, row, column, origin, d, end)
+                    a, b = add_ray(volumes, rays, openings, march, film, row, column, origin, d)
                     steps += a
                     looked += b
     return steps, looked

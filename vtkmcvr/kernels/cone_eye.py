@@ -8,6 +8,7 @@ import math
 
 import numpy as np
 
+from .backdrop import close_openings, open_share
 from .cone_layers import SEGMENT, find_runs, secant
 from .jit import device, kernel
 
@@ -76,7 +77,10 @@ def reach_of_rows(reach, filled, layer, row, columns):
 
 
 @device
-def look(perspective, layers, eye, film, image, before, opaque, limited, layer, row, first, last):
+def look(
+    perspective, layers, eye, openings, film, image, before, thickness, opaque, limited, layer, row,
+    first, last,
+):  # fmt: skip
     """View rays of a stretch through a layer. Returns the largest transmittance to it."""
     brightest = ZERO
     i = row - image[1]
@@ -85,16 +89,21 @@ def look(perspective, layers, eye, film, image, before, opaque, limited, layer, 
         a = layers.depth[layer, row, column]
         seen = ZERO
         if a > ZERO and T > opaque and image[0] <= column < image[2]:
-            seen = T
             oblique = secant(perspective, f32(column) + HALF, f32(row) + HALF)
             lost = T * math.expm1(-a * oblique)
             eye.light[row, column] = T + lost
             j = column - image[0]
-            film.share[i, j] -= lost
+            W = eye.whole[row, column] if limited else T
+            left = open_share(
+                openings, i, j, W, layers.whole[layer, row, column] * oblique,
+                before - HALF * thickness, thickness, ONE,
+            )  # fmt: skip
+            seen = T * left
+            film.share[i, j] -= lost * left
             if limited:
-                W = eye.whole[row, column]
                 lost = W * math.expm1(-layers.whole[layer, row, column] * oblique)
                 eye.whole[row, column] = W + lost
+            lost *= left
             film.alpha[i, j] -= lost
             film.depth[i, j] -= lost * before * oblique
         layers.seen[layer, row, column] = seen
@@ -114,8 +123,8 @@ def all_dark(light, image, opaque, row_0, row_1):
 
 @kernel
 def look_rows(
-    perspective, block, layers, filled, visible, eye, film, image, opaque, limited, tiers, row_0,
-    row_1,
+    perspective, block, layers, filled, visible, eye, openings, film, image, opaque, limited, tiers,
+    row_0, row_1,
 ):  # fmt: skip
     """View rays of some rows through all layers.
 
@@ -137,10 +146,18 @@ def look_rows(
                 if filled.flags[layer, row, segment] == 0:
                     continue
                 brightest = look(
-                    perspective, layers, eye, film, image, before, opaque, limited, layer, row,
-                    segment * SEGMENT, (segment + 1) * SEGMENT,
+                    perspective, layers, eye, openings, film, image, before, block.thickness,
+                    opaque, limited, layer, row, segment * SEGMENT, (segment + 1) * SEGMENT,
                 )  # fmt: skip
                 if brightest > ZERO:
                     visible.flags[layer, row, segment] = 1 if tiers and brightest < FAINT else 2
     find_runs(visible, columns, row_0, row_1)
     return all_dark(eye.light, image, opaque, row_0, row_1)
+
+
+@kernel
+def close_rows(openings, T, row_0, row_1):
+    """End the view rays of some rows, which have gone through all layers; T is what is left."""
+    for row in range(row_0, row_1):
+        for column in range(T.shape[1]):
+            close_openings(openings, row, column, T[row, column], ONE)

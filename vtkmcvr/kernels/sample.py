@@ -5,11 +5,12 @@ import math
 import numpy as np
 
 from ..packed import BATCH
-from .backdrop import accumulate_behind, ray_end
+from .backdrop import accumulate_behind, accumulate_cover, before, ray_end
 from .camera import film_position, ray_through
 from .jit import device, glue
 from .path import radiance
 from .rng import start_path
+from .vec import scale
 
 
 @device
@@ -71,7 +72,11 @@ def take_sample(film, scene, row, column, sample, seed):
     origin, d, rng = ray_through(scene.camera, scene.lens, column, x, y, rng)
     end, layer, i, j = ray_end(scene.backdrop, x, y, d)
     L, hit, depth, albedo, normal = radiance(scene, origin, d, end, rng)
-    accumulate(film, row, column, L, hit, depth)
+    left, shown = before(scene.backdrop, (layer, i, j), d, hit, depth)
+    accumulate(film, row, column, scale(L, np.float32(left)), hit, depth)
     accumulate_aov(film.albedo, sample + 1, row, column, albedo)
     accumulate_aov(film.normal, sample + 1, row, column, normal)
-    accumulate_behind(film.behind, scene.backdrop, sample + 1, row, column, (layer, i, j), hit)
+    accumulate_cover(film.cover, sample + 1, row, column, hit, left)
+    accumulate_behind(
+        film.behind, scene.backdrop, sample + 1, row, column, (layer, i, j), hit, left, shown
+    )

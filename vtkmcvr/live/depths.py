@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkFloatArray, vtkUnsignedCharArray
-from vtkmodules.vtkRenderingCore import vtkCamera, vtkProp, vtkRenderer
+from vtkmodules.vtkRenderingCore import vtkActor, vtkCamera, vtkProp, vtkRenderer
 
-from ..backdrop import Backdrop
+from ..backdrop import Backdrop, Veils
 from .film_place import Place
+from .peeling import Peeler, Pixels
 
 GL_MULTISAMPLE = 0x809D
 CENTRE = ((0.5, 0.5),)
@@ -34,50 +36,98 @@ class DepthPass:
         self._renderer = vtkRenderer()
         self._renderer.InteractiveOff()
         self._renderer.AutomaticLightCreationOff()
+        self._peeler = Peeler()
 
     def read(
-        self, renderer: vtkRenderer, place: Place, props: Sequence[vtkProp], offsets: Any
+        self,
+        renderer: vtkRenderer,
+        place: Place,
+        props: Sequence[vtkProp],
+        offsets: Any,
+        veils: Sequence[vtkActor] = (),
     ) -> Backdrop:
-        """Backdrop of some props, one layer for each of `offsets`, positions in the pixel."""
+        """Backdrop at `offsets`, positions in the pixel.
+
+        Parameters
+        ----------
+        renderer : vtkRenderer
+        place : Place
+        props : sequence of vtkProp
+            Opaque.
+        offsets : array (places, 2)
+        veils : sequence of vtkActor
+            Translucent meshes.
+        """
+        self._peeler.follow(veils)
         layered = renderer.GetLayer() > 0 or renderer.GetPreserveColorBuffer()
         before = _colours(renderer, place) if layered else None
-        self._prepare(renderer, props)
-        layers = []
+        self._prepare(renderer)
+        found = []
         try:
             for offset in offsets:
-                layers.append(self._draw(renderer, place, offset, before))
+                found.append(self._look(renderer, place, props, offset, before, bool(veils)))
         finally:
             self._renderer.RemoveAllViewProps()
             if before is not None:
                 _put_back(renderer, place, before)
-        depth, colour = (np.stack(parts) for parts in zip(*layers, strict=True))
-        return Backdrop(depth, colour, np.array(offsets))
+        return together(found)
 
-    def _prepare(self, renderer: vtkRenderer, props: Sequence[vtkProp]) -> None:
-        own = self._renderer
-        own.RemoveAllViewProps()
-        for prop in props:
-            own.AddViewProp(prop)
-        own.SetRenderWindow(renderer.GetRenderWindow())
+    def _prepare(self, renderer: vtkRenderer) -> None:
+        own, window = self._renderer, renderer.GetRenderWindow()
+        own.SetRenderWindow(window)
         own.SetViewport(renderer.GetViewport())
         own.SetLightCollection(renderer.GetLights())
         own.SetBackground(renderer.GetBackground())
         own.SetBackground2(renderer.GetBackground2())
         own.SetGradientBackground(renderer.GetGradientBackground())
-        own.SetBackgroundAlpha(renderer.GetBackgroundAlpha())
+        # A window without alpha shows its background as it is
+        own.SetBackgroundAlpha(renderer.GetBackgroundAlpha() if window.GetAlphaBitPlanes() else 1.0)
         own.SetUseImageBasedLighting(renderer.GetUseImageBasedLighting())
         own.SetEnvironmentTexture(renderer.GetEnvironmentTexture())
 
-    def _draw(
-        self, renderer: vtkRenderer, place: Place, offset: Sequence[float], before: Any
-    ) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
-        camera = vtkCamera()
-        camera.DeepCopy(renderer.GetActiveCamera())
-        shift = np.array(camera.GetWindowCenter())
-        # Film positions count from the top, window centres upward
-        shift += 2 * (np.array(offset) - 0.5) * (1, -1) / (place.width, place.height)
-        camera.SetWindowCenter(*shift)
-        self._renderer.SetActiveCamera(camera)
+    def _look(
+        self,
+        renderer: vtkRenderer,
+        place: Place,
+        props: Sequence[vtkProp],
+        offset: Sequence[float],
+        before: Any,
+        veiled: bool,
+    ) -> Backdrop:
+        """Backdrop at one position in the pixel."""
+        own, camera = self._renderer, _shifted(renderer.GetActiveCamera(), place, offset)
+        own.SetActiveCamera(camera)
+        own.RemoveAllViewProps()
+        for prop in props:
+            own.AddViewProp(prop)
+        buffer, colour = self._draw(renderer, place)
+        # Props at the far end, such as a sky, are background
+        if before is not None:
+            colour[buffer >= 1] = before[buffer >= 1]
+        # Premultiplied; without multisampling there is no alpha between 0 and 1
+        colour[..., :3] *= colour[..., 3:] > 0
+        veils = self._veils(renderer, place, camera, buffer) if veiled else None
+        depth = _distance(buffer, camera)
+        return Backdrop(depth[None], colour[None], np.array([offset]), veils)
+
+    def _veils(
+        self, renderer: vtkRenderer, place: Place, camera: vtkCamera, opaque: NDArray[np.float32]
+    ) -> Veils:
+        """Translucent surfaces before what has been drawn."""
+        self._renderer.RemoveAllViewProps()
+        draw = partial(self._draw, renderer, place)
+        found = [
+            (_distance(buffer, camera), colour)
+            for buffer, colour in self._peeler.layers(self._renderer, place, opaque, draw)
+        ]
+        if not found:
+            nothing = np.zeros(0, np.float32), np.zeros((0, 4), np.uint8)
+            return Veils(np.zeros(opaque.size + 1, np.int64), *nothing)
+        depth, colour = (np.stack(parts)[:, None] for parts in zip(*found, strict=True))
+        return Veils.of_layers(depth, colour)
+
+    def _draw(self, renderer: vtkRenderer, place: Place) -> Pixels:
+        """Depth in the buffer and colours, (H, W), row 0 on top, of what the own renderer draws."""
         window: Any = renderer.GetRenderWindow()
         state = window.GetState()
         state.vtkglDisable(GL_MULTISAMPLE)
@@ -85,26 +135,31 @@ class DepthPass:
             self._renderer.Render()
         finally:
             state.vtkglEnable(GL_MULTISAMPLE)
-        depth = _depth(renderer, place, camera)
-        colour = _colours(renderer, place)
-        if before is not None:
-            nothing = np.isinf(depth)
-            colour[nothing] = before[nothing]
-        # Premultiplied; without multisampling there is no alpha between 0 and 1
-        colour[..., :3] *= colour[..., 3:] > 0
-        return depth, colour
+        return _buffer(renderer, place), _colours(renderer, place)
 
 
-def _depth(renderer: vtkRenderer, place: Place, camera: vtkCamera) -> NDArray[np.float32]:
-    """Distance along the view axis, (H, W), row 0 on top; inf where nothing was drawn."""
+def _shifted(camera: vtkCamera, place: Place, offset: Sequence[float]) -> vtkCamera:
+    """Camera whose pixel centres are at a position in the pixel."""
+    shifted = vtkCamera()
+    shifted.DeepCopy(camera)
+    # Film positions count from the top, window centres upward
+    shift = 2 * (np.array(offset) - 0.5) * (1, -1) / (place.width, place.height)
+    shifted.SetWindowCenter(*(np.array(camera.GetWindowCenter()) + shift))
+    return shifted
+
+
+def _buffer(renderer: vtkRenderer, place: Place) -> NDArray[np.float32]:
+    """Depth buffer, (H, W), row 0 on top; 1 where nothing was drawn."""
     values = vtkFloatArray()
     x, y, width, height = place
-    window = renderer.GetRenderWindow()
-    window.GetZbufferData(x, y, x + width - 1, y + height - 1, values)
-    buffer = vtk_to_numpy(values).reshape(height, width)[::-1]
+    renderer.GetRenderWindow().GetZbufferData(x, y, x + width - 1, y + height - 1, values)
+    return vtk_to_numpy(values).reshape(height, width)[::-1].copy()
+
+
+def _distance(buffer: NDArray[np.float32], camera: vtkCamera) -> NDArray[np.float32]:
+    """Distance along the view axis; inf where nothing was drawn."""
     near, far = camera.GetClippingRange()
     depth = np.full(buffer.shape, np.inf, np.float32)
-    # Props at the far end, such as a sky, are background
     there = buffer < 1.0
     z = buffer[there].astype(np.float64)
     if camera.GetParallelProjection():
@@ -137,6 +192,7 @@ def together(parts: Sequence[Backdrop]) -> Backdrop:
         np.concatenate([part.depth for part in parts]),
         np.concatenate([part.colour for part in parts]),
         np.concatenate([part.offsets for part in parts]),
+        Veils.joined([part.veils for part in parts if part.veils is not None]),
     )
 
 

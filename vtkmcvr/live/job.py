@@ -20,7 +20,7 @@ from ..plan import Plan
 from ..rendering import empty_film
 from ..scene import Scene
 from .settings import LiveSettings
-from .shown import picture_of
+from .shown import noiseless_picture_of, picture_of
 
 # Longest time between two pictures to show
 STEP_SECONDS = 0.5
@@ -77,6 +77,8 @@ class Cancellable:
 
     def __init__(self) -> None:
         self._cancelled = threading.Event()
+        self.running = threading.Event()
+        self.running.set()
         self.newest: Estimate | None = None
         self.stopped_by = ""
 
@@ -123,6 +125,8 @@ class Job(Cancellable):
         super().__init__()
         self.plan, self.settings, self.edges = scene, settings, edges
         self.exposure = settings.exposure_of(scene.scene)
+        backdrop = scene.scene.backdrop
+        self.veiled = None if backdrop is None else backdrop.veiled
         self.film = empty_film(scene)
         self.spent = 0.0
 
@@ -134,7 +138,9 @@ class Job(Cancellable):
     def advance(self, most: int | None = None) -> None:
         """Add samples for up to half a second, or up to `most` in all, and make an estimate."""
         goal = self._next(self.samples, most)
-        rules = schedule.StopRules(goal, self._time_left(), self._aborted, self.settings.nrms)
+        rules = schedule.StopRules(
+            goal, self._time_left(), self._aborted, self.settings.nrms, self.running
+        )
         threads = self.settings.threads or schedule.default_threads()
         why, seconds = schedule.run(self.plan.packed, self.film, rules, self.settings.seed, threads)
         self.spent += seconds
@@ -145,7 +151,7 @@ class Job(Cancellable):
         if why != "samples" or samples == self.settings.most_samples:
             self.stopped_by = why
         self.newest = Estimate(
-            picture_of(self.film, self.exposure, self.edges), samples,
+            picture_of(self.film, self.exposure, self.edges, self.veiled), samples,
             image_error(self.film).nrms, self.done,
         )  # fmt: skip
 
@@ -182,13 +188,15 @@ class NoiselessJob(Cancellable):
     ----------
     scene : Scene
     settings : LiveSettings
+    edges : array (H, W), optional
+        Pixels at an edge of the scene's backdrop.
     """
 
-    edges = None
-
-    def __init__(self, scene: Scene, settings: LiveSettings) -> None:
+    def __init__(
+        self, scene: Scene, settings: LiveSettings, edges: NDArray[np.bool_] | None = None
+    ) -> None:
         super().__init__()
-        self.scene, self.settings = scene, settings
+        self.scene, self.settings, self.edges = scene, settings, edges
         self.samples = 0
         self._picture: NoiselessPicture | None = None
 
@@ -202,7 +210,8 @@ class NoiselessJob(Cancellable):
         if self.cancelled:
             return
         self.samples, self.stopped_by, self._picture = 1, "end", picture
-        self.newest = Estimate(picture.rgba, 1, math.nan, True, own.technique)
+        pixels = noiseless_picture_of(picture, self.edges)
+        self.newest = Estimate(pixels, 1, math.nan, True, own.technique)
 
     def picture(self) -> NoiselessPicture:
         """Return the picture, once it is done."""

@@ -10,9 +10,9 @@ from vtkmodules.vtkRenderingCore import vtkVolume
 
 from ..layers import Layer
 from ..scene import Volume
-from ..vtk_colours import in_linear_light
+from ..vtk_colours import in_linear_light, linear_labels
 from ..vtk_cutting import clip_of, cropping_of
-from ..vtk_labels import mask_of
+from ..vtk_labels import LabelTimes, MaskCache, mask_of
 from ..vtk_props import identity
 from ..vtk_scene import Look, VolumeCache, looks_of, matrix_of, refuse_mapper_features
 from ..vtk_volume import check_image
@@ -23,7 +23,7 @@ class VolumeLooks:
     """The layers of one vtkVolume; the same objects while what they come from is unchanged."""
 
     def __init__(self) -> None:
-        self._volumes = VolumeCache()
+        self._volumes, self._masks, self._labels = VolumeCache(), MaskCache(), LabelTimes()
         self._looks: tuple[Look, ...] = ()
         self._layers: tuple[Layer, ...] = ()
         self._look_key: tuple[Any, ...] | None = None
@@ -47,12 +47,16 @@ class VolumeLooks:
         TypeError, ValueError
             Where its data, functions or mapper are of a kind that is not supported.
         """
-        key = (*volume_key(prop), gradient_factor, linear)
+        key = (*self.key(prop), gradient_factor, linear)
         if key != self._key:
             self._layers = self._translated(prop, gradient_factor, linear)
             # Asking for functions that were never set makes them, which counts as a change
-            self._key = (*volume_key(prop), gradient_factor, linear)
+            self._key = (*self.key(prop), gradient_factor, linear)
         return self._layers
+
+    def key(self, prop: vtkVolume) -> tuple[Any, ...]:
+        """Everything about a vtkVolume that decides its picture, as values to compare."""
+        return *volume_key(prop), self._labels.of(prop.GetProperty())
 
     def _translated(
         self, prop: vtkVolume, gradient_factor: float, linear: bool
@@ -60,7 +64,9 @@ class VolumeLooks:
         mapper, image = mapper_of(prop), image_of(prop)
         refuse_mapper_features(mapper)
         cuts = {"clip": clip_of(mapper)}
-        mask, labels = mask_of(mapper, prop.GetProperty())
+        mask, labels = mask_of(mapper, prop.GetProperty(), self._masks)
+        if linear and labels is not None:
+            labels = linear_labels(labels)
         looks = self._placed_looks(prop, image, gradient_factor, linear)
         return tuple(
             Layer(
@@ -90,7 +96,7 @@ class VolumeLooks:
 
 
 def volume_key(prop: vtkVolume) -> tuple[Any, ...]:
-    """Everything about a vtkVolume that decides its picture, as values to compare."""
+    """Everything about a vtkVolume but functions of labels, as values to compare."""
     mapper, image = mapper_of(prop), image_of(prop)
     mask = getattr(mapper, "GetMaskInput", lambda: None)()
     crop = (mapper.GetCroppingRegionPlanes(), mapper.GetCroppingRegionFlags())

@@ -17,7 +17,7 @@ from ..rendering import empty_film
 from ..scene import Scene
 from .job import Estimate
 from .settings import LiveSettings
-from .shown import picture_of
+from .shown import noiseless_picture_of, picture_of
 
 COARSEST = 8
 # The same without noise; the time of occlusion depends little on the number of pixels
@@ -45,9 +45,11 @@ class Preview:
         _, seconds = schedule.run(coarse.packed, film, rules, settings.seed, threads)
         paths = film.count.size
         self._rate = 0.5 * self._rate + 0.5 * paths / max(seconds, 1e-4)
-        return Estimate(
-            picture_of(film, settings.exposure_of(scene)), 1 if scale == 1 else 0, math.inf, False
+        backdrop = coarse.scene.backdrop
+        pixels = picture_of(
+            film, settings.exposure_of(scene), veiled=None if backdrop is None else backdrop.veiled
         )
+        return Estimate(pixels, 1 if scale == 1 else 0, math.inf, False)
 
     def _scale(self, size: tuple[int, int], seconds: float) -> int:
         """Edge of a pixel of the estimate, in the window's pixels."""
@@ -60,7 +62,7 @@ def _noiseless(scene: Scene, settings: LiveSettings) -> Estimate:
         settings.technique, scene, _quick(settings), settings.exposure,
         settings.exposure_of(scene), threads=settings.threads,
     )  # fmt: skip
-    return Estimate(picture.rgba, 0, math.nan, False, settings.technique)
+    return Estimate(noiseless_picture_of(picture), 0, math.nan, False, settings.technique)
 
 
 def _quick(settings: LiveSettings) -> Occlusion | EmissionAbsorption:
@@ -80,5 +82,9 @@ def coarsened(scene: Scene, scale: int) -> Scene:
         rows = np.minimum(np.arange(height) * scale + scale // 2, scene.size[1] - 1)
         columns = np.minimum(np.arange(width) * scale + scale // 2, scene.size[0] - 1)
         there = np.ix_(np.zeros(1, int), rows, columns)
-        backdrop = Backdrop(backdrop.depth[there], backdrop.colour[there], backdrop.offsets[:1])
+        entries = np.arange(backdrop.depth.size).reshape(backdrop.depth.shape)[there].ravel()
+        backdrop = Backdrop(
+            backdrop.depth[there], backdrop.colour[there], backdrop.offsets[:1],
+            None if backdrop.veils is None else backdrop.veils.at(entries),
+        )  # fmt: skip
     return replace(scene, size=(width, height), backdrop=backdrop)

@@ -6,21 +6,23 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from vtkmodules.vtkRenderingCore import vtkActor, vtkProp, vtkRenderer, vtkVolume
+from vtkmodules.vtkRenderingCore import vtkActor, vtkRenderer, vtkVolume
 
 from ..backdrop import Backdrop
 from ..camera import PixelFilter
 from ..display import srgb_decode
 from ..layers import Layer
+from ..phases import Phase
 from ..receivers import MeshReceiver
 from ..scene import Scene
 from ..vtk_mesh import mesh_of
-from ..vtk_property import phase_of
+from ..vtk_property import one_phase_of
 from ..vtk_props import identity
 from ..vtk_scene import camera_of, matrix_of
+from .around import Around, actor_key
 from .film_place import Place
 from .lighting import Environment, lights_key, scene_lights
-from .looks import VolumeLooks, volume_key
+from .looks import VolumeLooks
 from .settings import LiveSettings
 
 # Each ray belongs to one pixel, as a sample of VTK's multisampling does
@@ -37,32 +39,6 @@ def camera_key(renderer: vtkRenderer) -> tuple[Any, ...]:
     )  # fmt: skip
 
 
-def scene_key(
-    renderer: vtkRenderer,
-    place: Place,
-    volumes: Sequence[vtkVolume],
-    surfaces: Sequence[vtkActor],
-    drawn: Sequence[vtkProp],
-) -> tuple[Any, ...]:
-    """Everything that decides the picture of a renderer, as values to compare."""
-    return (
-        camera_key(renderer), place, renderer.GetRenderWindow().GetTileViewport(),
-        tuple(map(volume_key, volumes)), lights_key(renderer),
-        # Those that are traced are hidden for each frame, which counts as a change
-        tuple(map(_surface_key, surfaces)),
-        tuple((identity(p), p.GetMTime(), p.GetRedrawMTime()) for p in drawn),
-    )  # fmt: skip
-
-
-def _surface_key(actor: vtkActor) -> tuple[Any, ...]:
-    data, look = actor.GetMapper().GetInput(), actor.GetProperty()
-    return identity(actor), identity(data), data.GetMTime(), look.GetMTime(), _matrix_key(actor)
-
-
-def _matrix_key(actor: vtkActor) -> bytes:
-    return matrix_of(actor.GetMatrix()).tobytes()
-
-
 class SceneReader:
     """Scenes of one renderer; parts that have not changed are the same objects again."""
 
@@ -70,6 +46,19 @@ class SceneReader:
         self._looks: dict[str, VolumeLooks] = {}
         self._meshes: dict[str, tuple[Any, MeshReceiver]] = {}
         self._environment = Environment()
+
+    def key(
+        self, renderer: vtkRenderer, place: Place, volumes: Sequence[vtkVolume], props: Around
+    ) -> tuple[Any, ...]:
+        """Everything that decides the picture of a renderer, as values to compare."""
+        looks = self._known(volumes)
+        return (
+            camera_key(renderer), place, renderer.GetRenderWindow().GetTileViewport(),
+            tuple(looks[identity(v)].key(v) for v in volumes), lights_key(renderer),
+            # Those that VTK does not draw are hidden for each frame, which counts as a change
+            tuple(map(actor_key, props.traced)), tuple(map(actor_key, props.veils)),
+            tuple((identity(p), p.GetMTime(), p.GetRedrawMTime()) for p in props.drawn),
+        )  # fmt: skip
 
     def scene(
         self,
@@ -107,21 +96,31 @@ class SceneReader:
         lights = scene_lights(renderer, camera, first.volume, settings.lighting, self._environment)
         return Scene(
             first.volume, first.transfer, camera, lights, first.surface,
-            phase_of(volumes[0].GetProperty()), scattering=settings.scattering, size=size,
+            self._phase(volumes, settings), scattering=settings.scattering, size=size,
             pixel_filter=PIXEL, clip=first.clip, crop=first.crop, mask=first.mask,
             labels=first.labels, layers=tuple(others), backdrop=backdrop,
             receivers=self._receivers(surfaces),
         )  # fmt: skip
 
+    @staticmethod
+    def _phase(volumes: Sequence[vtkVolume], settings: LiveSettings) -> Phase:
+        # Without noise there is none
+        counted = volumes[:1] if settings.noiseless else volumes
+        return one_phase_of([volume.GetProperty() for volume in counted])
+
     def _layers(self, volumes: Sequence[vtkVolume], settings: LiveSettings) -> list[Layer]:
-        known = {identity(v): self._looks.get(identity(v)) or VolumeLooks() for v in volumes}
-        self._looks = known
+        known = self._known(volumes)
         linear = settings.technique != "emission-absorption"
         return [
             layer
             for v in volumes
             for layer in known[identity(v)].layers(v, settings.gradient_factor, linear)
         ]
+
+    def _known(self, volumes: Sequence[vtkVolume]) -> dict[str, VolumeLooks]:
+        """What is known of each volume; others are forgotten."""
+        self._looks = {identity(v): self._looks.get(identity(v)) or VolumeLooks() for v in volumes}
+        return self._looks
 
     def _receivers(self, surfaces: Sequence[vtkActor]) -> tuple[MeshReceiver, ...]:
         known = {}

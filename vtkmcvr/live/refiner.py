@@ -18,6 +18,8 @@ class Refiner:
         self._jobs: dict[Hashable, Cancellable] = {}
         self._change = threading.Condition()
         self._closing = False
+        self._running = threading.Event()
+        self._running.set()
         self._thread: threading.Thread | None = None
         self.error: BaseException | None = None
 
@@ -26,6 +28,7 @@ class Refiner:
         with self._change:
             self._drop(owner)
             self._jobs[owner] = job
+            job.running = self._running
             if self._thread is None:
                 self._thread = threading.Thread(target=self._work, name="vtkmcvr", daemon=True)
                 self._thread.start()
@@ -35,6 +38,14 @@ class Refiner:
         """Stop working for `owner`; returns at once."""
         with self._change:
             self._drop(owner)
+
+    def pause(self) -> None:
+        """Leave the processors to what draws, from the tiles at work on, until `go_on`."""
+        self._running.clear()
+
+    def go_on(self) -> None:
+        """Go on after a pause."""
+        self._running.set()
 
     def wait(self, timeout: float | None = None) -> bool:
         """Wait until all pictures are done; False after `timeout` seconds."""

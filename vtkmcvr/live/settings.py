@@ -29,8 +29,9 @@ class LiveSettings:
     Parameters
     ----------
     technique : {"monte-carlo", "occlusion", "emission-absorption"}
-        Light transport; directional occlusion shading: smooth, quick, biased, and among no meshes;
-        or emission and absorption: what VTK itself shows.
+        Light transport; directional occlusion shading: smooth, quick and biased; or emission and
+        absorption: what VTK itself shows. By the latter two, meshes hide the volume and are seen
+        through it, but neither cast nor receive anything.
     occlusion : Occlusion, optional
         Cone, mode and accuracy of "occlusion".
     emission_absorption : EmissionAbsorption, optional

@@ -8,13 +8,17 @@ from numpy.typing import NDArray
 from .. import packed
 from ..display import to_rgba8
 from ..film import alpha
+from ..noiseless_picture import NoiselessPicture
 
 # Samples from which on edges take their colours from the film instead of from the window
 SETTLED = 4
 
 
 def picture_of(
-    film: packed.Film, exposure: float, edges: NDArray[np.bool_] | None = None
+    film: packed.Film,
+    exposure: float,
+    edges: NDArray[np.bool_] | None = None,
+    veiled: NDArray[np.bool_] | None = None,
 ) -> NDArray[np.uint8]:
     """Display picture of a film, straight alpha.
 
@@ -30,6 +34,8 @@ def picture_of(
         Stops.
     edges : array (H, W), optional
         Pixels at an edge of the backdrop.
+    veiled : array (H, W), optional
+        Pixels with translucent surfaces, which the window does not draw.
 
     Returns
     -------
@@ -39,13 +45,48 @@ def picture_of(
     radiance = film.mean.astype(np.float32)
     coverage = alpha(film)
     pixels = to_rgba8(radiance, coverage, exposure=exposure)
-    if edges is None or film.behind is None or film.count.min() < SETTLED:
+    settled = film.count.min() >= SETTLED
+    return with_behind(pixels, coverage, film.behind, edges if settled else None, veiled)
+
+
+def noiseless_picture_of(
+    picture: NoiselessPicture, edges: NDArray[np.bool_] | None = None
+) -> NDArray[np.uint8]:
+    """`picture_of` for a picture without noise."""
+    backdrop = picture.plan.scene.backdrop
+    veiled = None if backdrop is None else backdrop.veiled
+    return with_behind(picture.rgba, picture.alpha, picture.behind, edges, veiled)
+
+
+def with_behind(
+    pixels: NDArray[np.uint8],
+    coverage: NDArray[np.float32],
+    behind: NDArray[np.float64] | None,
+    edges: NDArray[np.bool_] | None,
+    veiled: NDArray[np.bool_] | None,
+) -> NDArray[np.uint8]:
+    """Picture in which edges and veiled pixels cover the window's own.
+
+    Parameters
+    ----------
+    pixels : array (H, W, 4)
+        Bytes, straight alpha; written to.
+    coverage : array (H, W)
+        Alpha of the volumes.
+    behind : array (H, W, 4), optional
+        What is seen beside and through them, premultiplied.
+    edges, veiled : array (H, W), optional
+        As for `picture_of`.
+    """
+    if behind is None:
         return pixels
-    seen = edges & (coverage > 0)
-    behind = film.behind[seen]
-    cover = coverage[seen][:, None]
+    seen = np.zeros(coverage.shape, bool) if veiled is None else veiled.copy()
+    if edges is not None:
+        seen |= edges & (coverage > 0)
+    cover, behind = coverage[seen][:, None], behind[seen]
     whole = cover[:, 0] + behind[:, 3]
     light = pixels[seen][:, :3] / 255 * cover + behind[:, :3]
-    pixels[seen, :3] = np.rint(255 * np.clip(light / whole[:, None], 0, 1))
+    light /= np.where(whole > 0, whole, 1)[:, None]
+    pixels[seen, :3] = np.rint(255 * np.clip(light, 0, 1))
     pixels[seen, 3] = np.rint(255 * np.clip(whole, 0, 1))
     return pixels

@@ -12,14 +12,15 @@ from vtkmodules.vtkRenderingCore import vtkProp, vtkRenderer
 from ..backdrop import Backdrop
 from ..plan import Plan, plan
 from ..scene import Scene
-from ..vtk_props import is_plain_surface, opaque_props, volumes_of
+from ..vtk_props import volumes_of
+from .around import Around, around
 from .corner import CornerText
 from .depths import CENTRE, SPREAD, DepthPass, edges_of, together
 from .film_place import Place, place_of
 from .job import Estimate, Job, NoiselessJob, is_compiled
 from .preview import Preview
 from .quad import PictureQuad
-from .reading import SceneReader, scene_key
+from .reading import SceneReader
 from .refiner import Refiner
 from .settings import LiveSettings
 
@@ -34,8 +35,8 @@ class LiveView:
     estimate of the new picture is made within the frame, and the refiner goes on with it; or, in a
     window without events, the whole picture is.
 
-    While the renderer draws, the volumes are hidden; at all other times they are as the user left
-    them.
+    While the renderer draws, the volumes are hidden and the refiner rests; at all other times they
+    are as the user left them.
 
     Parameters
     ----------
@@ -67,6 +68,7 @@ class LiveView:
         self._settled = True
         self._hidden: list[vtkProp] = []
         self._drawing = False
+        self._said = ""
         self._quad.attach(renderer)
         self._text.attach(renderer)
         self._tags = [
@@ -90,9 +92,8 @@ class LiveView:
         """Raise what is wrong with the renderer's volumes."""
         volumes = volumes_of(self.renderer)
         if volumes:
-            surfaces, drawn = self._around()
-            self._check_technique(surfaces, drawn)
-            plan(self._scene((64, 64), volumes, surfaces, None))
+            props = self._around()
+            plan(self._scene((64, 64), volumes, props, None))
 
     def close(self) -> None:
         """Leave everything to VTK again."""
@@ -117,8 +118,10 @@ class LiveView:
             self._fail(error)
         finally:
             self._drawing = False
+        self.refiner.pause()
 
     def _end(self, *_: Any) -> None:
+        self.refiner.go_on()
         self._show_again()
 
     def _frame(self) -> None:
@@ -127,47 +130,50 @@ class LiveView:
         if not volumes or place.empty:
             self._rest()
             return
-        surfaces, drawn = self._around()
-        key = scene_key(self.renderer, place, volumes, surfaces, drawn)
+        props = self._around()
+        key = self._reader.key(self.renderer, place, volumes, props)
         if key != self._key:
-            self._restart(place, volumes, surfaces, drawn)
+            self._restart(place, volumes, props)
             # Reading a scene may create functions that were never set
-            self._key = scene_key(self.renderer, place, volumes, surfaces, drawn)
-        elif not self._settled and self._looked_around(place, drawn):
-            self._settle(place, volumes, surfaces, drawn)
+            self._key = self._reader.key(self.renderer, place, volumes, props)
+        elif not self._settled and self._looked_around(place, props):
+            self._settle(place, volumes, props)
         self._swap()
-        self._hide([*volumes, *surfaces])
+        self._hide([*volumes, *props.hidden])
 
-    def _restart(self, place: Place, volumes: Any, surfaces: Any, drawn: Any) -> None:
+    def _restart(self, place: Place, volumes: Any, props: Around) -> None:
         """Begin a new picture."""
         self.restarts += 1
         self.refiner.drop(self)
         self.job = self.shown = None
         self._places = []
         self._quad.actor.VisibilityOff()
-        self._check_technique(surfaces, drawn)
+        self._say_limits(props)
         if self.progressive():
-            backdrop = self._backdrop(place, drawn, CENTRE) if drawn else None
-            planned = self._planned(self._scene(place[2:], volumes, surfaces, backdrop))
+            backdrop = self._backdrop(place, props, CENTRE) if props.backdrop else None
+            planned = self._planned(self._scene(place[2:], volumes, props, backdrop))
             if self.settings.noiseless or is_compiled(planned):
                 self._show(self._preview.estimate(planned, self.settings))
                 self._settled = False
                 return
             # Until the kernels are there the picture is VTK's own
             self._text.say("compiling")
-        self._settle(place, volumes, surfaces, drawn)
+        self._settle(place, volumes, props)
 
-    def _settle(self, place: Place, volumes: Any, surfaces: Any, drawn: Any) -> None:
+    def _settle(self, place: Place, volumes: Any, props: Around) -> None:
         """Make the picture in full, here or in the background."""
-        rest = SPREAD[len(self._places) :]
-        self._places += [self._backdrop(place, drawn, [offset]) for offset in rest if drawn]
-        backdrop = together(self._places) if drawn else None
+        backdrop = None
+        if props.backdrop:
+            rest = SPREAD[len(self._places) :]
+            if rest:
+                self._places.append(self._backdrop(place, props, rest))
+            backdrop = together(self._places)
         self._places = []
-        scene = self._scene(place[2:], volumes, surfaces, backdrop)
+        scene = self._scene(place[2:], volumes, props, backdrop)
+        edges = None if backdrop is None else edges_of(backdrop)
         if self.settings.noiseless:
-            self.job = NoiselessJob(scene, self.settings)
+            self.job = NoiselessJob(scene, self.settings, edges)
         else:
-            edges = None if backdrop is None else edges_of(backdrop)
             self.job = Job(self._planned(scene), self.settings, edges)
         self._settled = True
         if self.progressive():
@@ -175,12 +181,12 @@ class LiveView:
         else:
             self.job.finish()
 
-    def _looked_around(self, place: Place, drawn: Any) -> bool:
+    def _looked_around(self, place: Place, props: Around) -> bool:
         """Look at a few more places of each pixel; whether all have been looked at."""
-        if not drawn or not self.progressive():
+        if not props.backdrop or not self.progressive():
             return True
         more = SPREAD[len(self._places) :][:PLACES]
-        self._places += [self._backdrop(place, drawn, [offset]) for offset in more]
+        self._places += [self._backdrop(place, props, [offset]) for offset in more]
         return len(self._places) == len(SPREAD)
 
     def _planned(self, scene: Scene) -> Plan:
@@ -208,27 +214,22 @@ class LiveView:
 
     # Parts of a frame
 
-    def _around(self) -> tuple[list[Any], list[Any]]:
-        """Surfaces to be traced, and props that VTK draws."""
-        props = opaque_props(self.renderer, self._quad.actor)
-        if self.settings.meshes == "drawn":
-            return [], props
-        surfaces = [prop for prop in props if is_plain_surface(prop)]
-        return surfaces, [prop for prop in props if prop not in surfaces]
+    def _around(self) -> Around:
+        return around(self.renderer, self.settings.meshes == "traced", self._quad.actor)
 
-    def _check_technique(self, surfaces: Any, drawn: Any) -> None:
-        if self.settings.technique == "occlusion" and (surfaces or drawn):
-            raise ValueError(
-                'technique "occlusion" knows no meshes: hide them, or use technique "monte-carlo"'
-            )
+    def _say_limits(self, props: Around) -> None:
+        """Warn of what is not drawn as it should be, once."""
+        if props.limits and props.limits != self._said:
+            warnings.warn(props.limits, RuntimeWarning, stacklevel=2)
+        self._said = props.limits
 
-    def _scene(self, size: Any, volumes: Any, surfaces: Any, backdrop: Backdrop | None) -> Scene:
+    def _scene(self, size: Any, volumes: Any, props: Around, backdrop: Backdrop | None) -> Scene:
         return self._reader.scene(
-            self.renderer, tuple(size), volumes, surfaces, backdrop, self.settings
+            self.renderer, tuple(size), volumes, props.traced, backdrop, self.settings
         )
 
-    def _backdrop(self, place: Place, drawn: Any, offsets: Any) -> Backdrop:
-        return self._depths.read(self.renderer, place, drawn, offsets)
+    def _backdrop(self, place: Place, props: Around, offsets: Any) -> Backdrop:
+        return self._depths.read(self.renderer, place, props.drawn, offsets, props.veils)
 
     def _hide(self, props: list[vtkProp]) -> None:
         if self.shown is None:

@@ -50,6 +50,7 @@ def effects_of(
             f"{occlusion.bleeding:g} of the scattered light goes on in its colour",
         ),
         _shading(scene, occlusion),
+        _backdrop(scene),
         _aovs(scene),
         Effect("depth of field", False, "slices are seen through a pinhole"),
     )  # fmt: skip
@@ -59,6 +60,15 @@ def effects_of(
 def most_extinction(raster: Raster) -> float:
     """Largest extinction that slices and pixels resolve, 1/world unit."""
     return min(DEEPEST_LAYER / raster.thickness, DEEPEST_PIXEL / raster.pixel)
+
+
+def _backdrop(scene: Scene) -> Effect:
+    if scene.backdrop is None:
+        return Effect("backdrop", False, "no other renderer draws anything around the volume")
+    return Effect(
+        "backdrop", True,
+        "what another renderer drew hides the volume; it neither casts occlusion nor receives it",
+    )  # fmt: skip
 
 
 def _aovs(scene: Scene) -> Effect:

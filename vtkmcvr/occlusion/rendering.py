@@ -13,6 +13,7 @@ import numpy as np
 from .. import checks, packed
 from ..lights import ConstantEnvironment
 from ..material import Surface
+from ..openings import openings_of
 from ..pack import f32, vector
 from ..phases import Isotropic
 from ..plan import Plan, plan
@@ -85,9 +86,12 @@ def render_occlusion(
     planned, raster, fine = layout(scene, occlusion)
     width, height = planned.scene.size
     film = _film((height, width), scene.aovs)
+    openings = None
+    if scene.backdrop is not None:
+        openings = openings_of(scene.backdrop, scene.camera.frame[2], fine)
     sweep = Sweep(
         raster, _filling(planned, occlusion, raster), _light(scene, raster, occlusion),
-        _shade(scene, planned, occlusion), film,
+        _shade(scene, planned, occlusion), film, None if openings is None else openings.packed,
     )  # fmt: skip
 
     def report(fraction: float) -> None:
@@ -102,7 +106,7 @@ def render_occlusion(
     return OcclusionPicture(
         planes, replace(planned, scene=scene, effects=effects, notes=notes), occlusion,
         display or Display(), perf_counter() - begin, "end" if ended else "user", threads,
-        sweep.work, recipe=recipe or {},
+        sweep.work, recipe=recipe or {}, behind=None if openings is None else openings.behind(),
     )  # fmt: skip
 
 
@@ -190,7 +194,9 @@ def _voxel(volume: Volume) -> float:
 
 
 # Parts of a scene that only Monte Carlo has
-PLAIN: dict[str, Any] = {"scattering": "single", "max_scatterings": None, "aovs": ()}
+PLAIN: dict[str, Any] = {
+    "scattering": "single", "max_scatterings": None, "aovs": (), "backdrop": None,
+}  # fmt: skip
 
 
 def _refinement(scene: Scene, raster: Raster, grain: float) -> int:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from .. import packed
 from ..kernels.cone_compose import compose_rows
-from ..kernels.cone_eye import look_rows
+from ..kernels.cone_eye import close_rows, look_rows
 from ..kernels.cone_layers import ROWS, SEGMENT, clear_rows, fill_rows, list_runs
 from ..pack import f32
 from .medium import Filling
@@ -86,6 +86,8 @@ class Sweep:
     shade : packed.Shade, optional
     film : packed.OcclusionFilm
         Is added to.
+    openings : packed.Openings, optional
+        Of a backdrop, in pixels of the film.
     """
 
     def __init__(
@@ -95,9 +97,10 @@ class Sweep:
         light: Light,
         shade: packed.Shade | None,
         film: packed.OcclusionFilm,
+        openings: packed.Openings | None = None,
     ):
         self.raster, self.filling, self.light = raster, filling, light
-        self.shade, self.film = shade, film
+        self.shade, self.film, self.openings = shade, film, openings
         height, width = film.alpha.shape
         left, top = raster.left, raster.top
         edges = (-left, -top, width - left, height - top)
@@ -163,7 +166,23 @@ class Sweep:
                     break
             ended = following is None
             self._view(pool, before, None)
+        if ended:
+            self._close()
         return ended
+
+    def _close(self) -> None:
+        """Let the backdrop show through what is left of view rays, where there is one."""
+        if self.openings is None:
+            return
+        left = np.ones_like(self.film.alpha)
+        first, top, end, bottom = (int(v) for v in self.image)
+        rows = slice(max(top, 0), min(bottom, self.raster.rows))
+        columns = slice(max(first, 0), min(end, self.raster.columns))
+        eye = self.eye.whole if self.filling.limited else self.eye.light
+        there = eye[rows, columns]
+        i, j = rows.start - top, columns.start - first
+        left[i : i + there.shape[0], j : j + there.shape[1]] = there
+        close_rows(self.openings, left, 0, len(left))
 
     def _begin(
         self, pool: ThreadPoolExecutor, start: int
@@ -209,7 +228,8 @@ class Sweep:
         f = self.filling
         return bool(look_rows(
             self.raster.perspective, block.places[0], block.layers, block.filled, block.visible,
-            self.eye, self.film, self.image, f32(f.opaque), f.limited, self.light.tiers, *strip,
+            self.eye, self.openings, self.film, self.image, f32(f.opaque), f.limited,
+            self.light.tiers, *strip,
         ))  # fmt: skip
 
     def _light(self, pool: ThreadPoolExecutor, block: Block) -> list[Future[None]]:
