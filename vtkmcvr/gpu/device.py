@@ -38,7 +38,8 @@ class CudaDevice:
         """Refuse what does not fit into the memory that is free."""
         with translated("its memory was measured"):
             free = self._cuda.current_context().get_memory_info().free
-        needed = sum(array.nbytes for part in parts for array in _arrays(part))
+        arrays = {id(array): array for part in parts for array in _arrays(part)}
+        needed = sum(array.nbytes for array in arrays.values())
         if needed > free:
             raise OutOfDeviceMemory(
                 f"scene and film take {needed / 2**20:.0f} MiB of device memory, {self.name} has "

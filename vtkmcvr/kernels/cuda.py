@@ -65,8 +65,10 @@ def _unrolls(function):
     function._CUDATypingContext__dispatcher = CUDADispatcher(own, options)
 
 
-def _cached(dispatcher):
+def keep_on_disk(dispatcher):
     """Keep machine code on disk, fresh while neither numba-cuda nor a kernel source has changed."""
+    if config.ENABLE_CUDASIM:
+        return
     dispatcher.enable_caching()
     index = dispatcher._cache._cache_file
     index._version = f"{index._version} {source_stamp()}"
@@ -78,4 +80,4 @@ if not config.ENABLE_CUDASIM:
     for function in (collide_more, layer_vertex, through_more):
         if hasattr(function, "py_func"):
             _unrolls(function)
-    _cached(render_rows)
+keep_on_disk(render_rows)
