@@ -109,9 +109,9 @@ def test_replay_takes_the_recorded_backend(with_device, monkeypatch):
     assert any("CUDA" in note for note in elsewhere.notes)
 
 
-def test_occlusion_is_the_cpus_alone():
+def test_emission_and_absorption_is_the_cpus_alone():
     with pytest.raises(ValueError, match="runs on the CPU only"):
-        render(SCENE, technique="occlusion", backend="cuda")
+        render(SCENE, technique="emission-absorption", backend="cuda")
 
 
 def test_unknown_backend():

@@ -6,7 +6,7 @@ import sweeps
 from needs import compiler
 
 from vtkmcvr.gpu.device import _rebuilt
-from vtkmcvr.occlusion.tables import tables_of
+from vtkmcvr.occlusion.tables import kind_of, tables_of
 
 pytestmark = [compiler, pytest.mark.slow]
 TURING, HOPPER = (7, 5), (9, 0)
@@ -36,9 +36,9 @@ def kernel_and_types(case):
 
     from vtkmcvr.kernels import cone_cuda
 
-    kind, tables = tables_of(*sweeps.parts(*case))
-    arguments = (*dense(tables), np.int64(0), np.int64(0))
-    return getattr(cone_cuda, f"sweep_{kind}"), tuple(map(typeof, arguments))
+    parts = sweeps.parts(*case)
+    arguments = (*dense(tables_of(*parts)), np.int64(0), np.int64(0))
+    return getattr(cone_cuda, f"sweep_{kind_of(parts.light)}"), tuple(map(typeof, arguments))
 
 
 @pytest.mark.parametrize("name", CASES)

@@ -53,13 +53,13 @@ def _on_cuda(
     parts: Parts, progress: Callable[[float], object] | None, abort: Callable[[], bool] | None
 ) -> Swept:
     from ..gpu import sweeps
-    from .tables import blocks_in, tables_of
+    from .tables import blocks_in, kind_of, tables_of
 
     raster = parts.raster
-    kind, tables = tables_of(*parts)
-    device = sweeps.SweepDevice(kind)
+    device = sweeps.SweepDevice(kind_of(parts.light))
     if raster.count == 0:
         return Swept(parts.film, Work(0), True, "cuda", device.name, "")
+    tables = tables_of(*parts)
     film, counts, ended = sweeps.run(device, tables, blocks_in(raster), progress, abort)
     work = Work(raster.count * raster.rows * raster.columns, *map(int, counts))
     return Swept(film, work, ended, "cuda", device.name, "")

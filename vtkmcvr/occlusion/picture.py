@@ -53,7 +53,9 @@ class OcclusionPicture(NoiselessPicture):
 
         return {
             "occlusion": asdict(self.settings),
-            "replay": replay_part(self.plan.scene, self.settings, self.display, self.planes),
+            "replay": replay_part(
+                self.plan.scene, self.settings, self.display, self.planes, backend=self.backend
+            ),
         }
 
     def __str__(self) -> str:

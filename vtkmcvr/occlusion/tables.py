@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -42,9 +43,8 @@ def tables_of(
     light: Light,
     shade: packed.Shade | None,
     film: packed.OcclusionFilm,
-) -> tuple[str, Tables]:
-    """Which kernel sweeps, "beams", "blurred" or "published", and its arguments."""
-    kind, table = _light_table(raster, light)
+) -> Tables:
+    """Arguments of the kernel that sweeps; there must be a layer."""
     height, width = film.alpha.shape
     left, top = raster.left, raster.top
     sweep = packed.Sweep(
@@ -59,7 +59,13 @@ def tables_of(
     )
     film = packed.OcclusionFilm._make(None if a is None else blank(a.shape) for a in film)
     sheets = _sheets(raster, filling, light)
-    return kind, Tables(volumes, sweep, sheets, eye, shade, film, table, np.zeros(2, np.int64))
+    table = LIGHT_TABLES[kind_of(light)](raster, light)
+    return Tables(volumes, sweep, sheets, eye, shade, film, table, np.zeros(2, np.int64))
+
+
+def kind_of(light: Light) -> str:
+    """Which kernel sweeps."""
+    return {Traced: "beams", Blurred: "blurred", Published: "published"}[type(light)]
 
 
 def blank(shape: tuple[int, ...], value: float = 0, kind: Any = f32) -> NDArray[Any]:
@@ -92,17 +98,6 @@ def _sheets(raster: Raster, filling: Filling, light: Light) -> packed.Sheets:
         blank((2, -(-rows // TILE), flags[2]), kind=np.uint8), blank(one),
         blank(one) if light.relief and not coloured else None, blank(flags, kind=np.uint8),
     )  # fmt: skip
-
-
-def _light_table(
-    raster: Raster, light: Light
-) -> tuple[str, packed.BeamTable | packed.BlurTable | packed.PublishedTable]:
-    if isinstance(light, Traced):
-        return "beams", _beam_table(raster, light)
-    if isinstance(light, Blurred):
-        return "blurred", _blur_table(raster, light)
-    assert isinstance(light, Published)
-    return "published", _published_table(raster, light)
 
 
 def _beam_table(raster: Raster, light: Traced) -> packed.BeamTable:
@@ -157,3 +152,10 @@ def _published_table(raster: Raster, light: Published) -> packed.PublishedTable:
         np.ascontiguousarray(points, f32), light.secants, np.bool_(light.exact),
         blank((2, raster.rows, raster.columns)),
     )  # fmt: skip
+
+
+LIGHT_TABLES: dict[str, Callable[[Raster, Any], Any]] = {
+    "beams": _beam_table,
+    "blurred": _blur_table,
+    "published": _published_table,
+}
