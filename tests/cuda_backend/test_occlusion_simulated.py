@@ -1,5 +1,7 @@
 """Directional occlusion by the CUDA launcher in Numba's simulator: the CPU's pictures."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import sweeps
@@ -32,14 +34,13 @@ def more(tmp_path_factory):
     return compared(sweeps.MORE, tmp_path_factory.mktemp("more"))
 
 
-def check(cpu, cuda):
+def check(cpu, cuda, volumes=1):
     assert (cuda.backend, cuda.ended, cuda.note) == ("cuda", True, "")
     assert cpu.film.radiance.max() > 0.01
-    assert cpu.film.alpha.min() == 0.0 or "inside" in cuda.device or cpu.film.alpha.max() > 0.1
     assert all(np.isfinite(plane).all() for plane in cuda.film if plane is not None)
     check_same(cpu.film, cuda.film)
-    for count in ("naive", "looked_up", "seen"):
-        assert getattr(cuda.work, count) == getattr(cpu.work, count)
+    assert (cuda.work.naive, cuda.work.seen) == (cpu.work.naive, cpu.work.seen)
+    assert cpu.work.looked_up <= cuda.work.looked_up <= cuda.work.naive * volumes
 
 
 @pytest.mark.parametrize("name", sweeps.MODES)
@@ -50,7 +51,7 @@ def test_modes_give_the_pictures_of_the_cpu(modes, name):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", sweeps.MORE)
 def test_effects_and_hard_cases_give_the_pictures_of_the_cpu(more, name):
-    check(*more[name])
+    check(*more[name], volumes=1 + len(sweeps.MORE[name][0].layers))
 
 
 def test_scenes_reach_all_that_is_to_be_compared():
@@ -65,8 +66,6 @@ def test_scenes_reach_all_that_is_to_be_compared():
 
 def test_another_cone_would_be_noticed(modes):
     described, settings = sweeps.MODES["fast"]
-    from dataclasses import replace
-
     other = sweep("cpu", sweeps.parts(described, replace(settings, half_angle=58)), 1)
     _, found = modes["fast"]
     assert not np.allclose(other.film.radiance, found.film.radiance, rtol=1e-5, atol=1e-5)

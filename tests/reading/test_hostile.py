@@ -90,11 +90,11 @@ def test_a_terabyte_in_a_few_bytes_is_refused_at_once(tmp_path: Path, name: str)
     path = tmp_path / name
     path.write_bytes(TERABYTE[name])
     assert path.stat().st_size < 1000
-    before, start = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss, time.monotonic()
+    before, start = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss, time.process_time()
     message = error_of(path)
     assert "truncated" in message or "promises" in message or "takes" in message
     # Nothing of that size was allocated or gone through.
-    assert time.monotonic() - start < 5.0
+    assert time.process_time() - start < 5.0
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 200_000
 
 
@@ -111,18 +111,18 @@ def test_a_bomb_is_unpacked_no_further_than_its_header_says(tmp_path: Path, pack
     path = tmp_path / "a.nrrd"
     bomb = pack(VOXELS.tobytes() + bytes(300_000_000))
     path.write_bytes(nrrd_text(encoding=packing, **PLACE) + bomb)
-    start = time.monotonic()
+    start = time.process_time()
     np.testing.assert_array_equal(voxels(read(path)), VOXELS)
-    assert time.monotonic() - start < 2.0
+    assert time.process_time() - start < 2.0
 
 
 def test_a_bomb_in_nifti(tmp_path: Path) -> None:
     path = save(tmp_path / "a.nii")
     whole = path.read_bytes()
     (tmp_path / "b.nii.gz").write_bytes(gzip.compress(whole + bytes(300_000_000)))
-    start = time.monotonic()
+    start = time.process_time()
     np.testing.assert_array_equal(voxels(read(tmp_path / "b.nii.gz")), VOXELS)
-    assert time.monotonic() - start < 2.0
+    assert time.process_time() - start < 2.0
 
 
 def test_volume_beyond_the_free_memory_is_refused_with_numbers(
@@ -187,9 +187,9 @@ def test_files_without_permission(tmp_path: Path) -> None:
 def test_endless_headers(tmp_path: Path, name: str, text: bytes) -> None:
     path = tmp_path / name
     path.write_bytes(text)
-    start = time.monotonic()
+    start = time.process_time()
     error_of(path)
-    assert time.monotonic() - start < 5.0
+    assert time.process_time() - start < 5.0
 
 
 def test_numbers_out_of_range(tmp_path: Path) -> None:
@@ -208,9 +208,9 @@ def test_numbers_out_of_range(tmp_path: Path) -> None:
         {"space_origin": "(1,2)"},
     ):
         path.write_bytes(nrrd_text(**PLACE | fields) + VOXELS.tobytes())
-        start = time.monotonic()
+        start = time.process_time()
         error_of(path)
-        assert time.monotonic() - start < 5.0
+        assert time.process_time() - start < 5.0
 
 
 def test_wrong_byte_order_marks_change_values_and_nothing_else(tmp_path: Path) -> None:
@@ -236,9 +236,9 @@ def test_entities_of_xml_are_not_blown_up(tmp_path: Path) -> None:
     path = tmp_path / "a.vti"
     lines = "".join(f'<!ENTITY a{k + 1} "{f"&a{k};" * 10}">' for k in range(9))
     path.write_text(f'<?xml version="1.0"?><!DOCTYPE x [<!ENTITY a0 "ha">{lines}]><x>&a9;</x>')
-    start = time.monotonic()
+    start = time.process_time()
     error_of(path)
-    assert time.monotonic() - start < 5.0
+    assert time.process_time() - start < 5.0
 
 
 def test_nothing_is_left_behind_in_the_temporary_folder(tmp_path: Path) -> None:

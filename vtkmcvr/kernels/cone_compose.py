@@ -150,9 +150,11 @@ def compose(
     colour = shaded(shade, albedo, normal, magnitude, toward_eye, sigma_t)
     # Without any direction in the cone there, nothing is known of the light
     scattered = T * a / total if total > ZERO else ZERO
+    # Not more than with all the light there is: relief may take too much off
+    most = -math.expm1(-a) * T
     i, j = row - image[1], column - image[0]
     for c in range(3):
-        film.radiance[i, j, c] += scattered * colour[c] * V[c]
+        film.radiance[i, j, c] += colour[c] * min(scattered * V[c], most)
     add_film(film.normal, film.albedo, i, j, normal, albedo, a, T)
 
 
