@@ -123,10 +123,9 @@ def _on_cuda(
     counts: NDArray[np.int64] | None,
     density: Density | None,
 ) -> Rendered:
-    from .gpu import launches
-    from .gpu.device import CudaDevice
+    from .gpu import launches, several
 
-    device = CudaDevice()
+    device = several.opened()
     film, stopped_by, seconds = launches.run(
         device, scene, film, rules, seed, progress, counts, density
     )

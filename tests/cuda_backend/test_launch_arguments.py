@@ -73,13 +73,13 @@ def test_every_parameter_gets_an_argument_of_its_size(name, monkeypatch):
     pretend(monkeypatch, (9, 0))
     planned = plan(SCENES[name])
     film, number = empty_film(planned), np.int64(1)
-    on_host = film, planned.packed, number, number, film.count, number, number
+    on_host = film, planned.packed, number, number, film.count, number, number, number
     arguments = on_device(on_host)
     types = tuple(map(typeof, arguments))
     assert types == tuple(map(typeof, on_host))
 
-    def same_parameters(film, scene, row_0, row_1, goal, cap, seed):
-        film.count[row_0, row_1] = goal[row_0, row_1] + cap + seed
+    def same_parameters(film, scene, row_0, row_1, goal, cap, seed, every):
+        film.count[row_0, row_1] = goal[row_0, row_1] + cap + seed + every
 
     wanted = [SIZES[kind] for kind in PARAMETER.findall(ptx_of(same_parameters, types, (9, 0)))]
     flat = handed_over(types, arguments, render_rows.extensions)

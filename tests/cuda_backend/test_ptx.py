@@ -74,7 +74,7 @@ def parameter_types(planned):
     from numba.cuda.typing.typeof import typeof
 
     film, number = empty_film(planned), np.int64(1)
-    parameters = film, planned.packed, number, number, film.count, number, number
+    parameters = film, planned.packed, number, number, film.count, number, number, number
     return tuple(map(typeof, parameters))
 
 

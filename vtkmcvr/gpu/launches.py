@@ -100,9 +100,10 @@ class DeviceRun(schedule.Runner):
         """Parts of a pass: all rows by some samples, or some rows by one sample."""
         height, width = self.film.count.shape
         while self.level < target:
-            paths = max(LEAST_PATHS, int(LAUNCH_SECONDS * self._rate()))
+            paths = max(LEAST_PATHS * self.device.count, int(LAUNCH_SECONDS * self._rate()))
             samples = min(max(1, paths // (height * width)), target - self.level)
-            rows = height if paths >= height * width else max(ROWS, paths // width // ROWS * ROWS)
+            least = ROWS * self.device.count
+            rows = height if paths >= height * width else max(least, paths // width // least * least)
             level = self.level + samples
             for start in range(0, height, rows):
                 end = min(start + rows, height)

@@ -40,13 +40,14 @@ if not config.ENABLE_CUDASIM:
 
 
 @cuda.jit(**OPTIONS)
-def render_rows(film, scene, row_0, row_1, goal, cap, seed):
+def render_rows(film, scene, row_0, row_1, goal, cap, seed, every):
     """Bring every pixel of some rows up to its `goal` of samples, or to `cap` where that is less.
 
-    Continues where the film is.
+    Continues where the film is. Of the rows, in bands as high as a block, the first band is taken
+    and `every` so manieth: the others are other devices'.
     """
-    column, row = cuda.grid(2)
-    row += row_0
+    column = cuda.blockIdx.x * cuda.blockDim.x + cuda.threadIdx.x
+    row = row_0 + cuda.blockIdx.y * cuda.blockDim.y * every + cuda.threadIdx.y
     if row < row_1 and column < film.count.shape[1]:
         for sample in range(film.count[row, column], min(goal[row, column], cap)):
             take_sample(film, scene, row, column, sample, seed)
