@@ -183,6 +183,35 @@ def test_nvvm_that_cannot_be_loaded(monkeypatch):
     assert "vtkmcvr[cuda]" in found
 
 
+def test_nvrtc_that_cannot_be_loaded(monkeypatch):
+    if find_spec("numba_cuda") is None:
+        pytest.skip("numba-cuda is not installed (extra cuda)")
+    from numba.cuda.cudadrv import nvrtc, nvvm
+
+    def absent():
+        raise OSError("libnvrtc.so: not found")
+
+    monkeypatch.setattr(nvvm, "NVVM", lambda: None)
+    monkeypatch.setattr(nvrtc, "get_supported_ccs", absent)
+    found = available._toolkit_missing()
+    assert "NVRTC was not found (libnvrtc.so: not found)" in found
+    assert "vtkmcvr[cuda]" in found
+
+
+def test_driver_without_a_device(monkeypatch):
+    if find_spec("numba_cuda") is None:
+        pytest.skip("numba-cuda is not installed (extra cuda)")
+    from numba import cuda
+
+    monkeypatch.setattr(cuda, "cuda_error", lambda: None)
+    monkeypatch.setattr(cuda, "gpus", [])
+    monkeypatch.setenv("CUDA_VISIBLE_DEVICES", "7")
+    found = available._device_missing()
+    assert "CUDA_VISIBLE_DEVICES is '7'" in found and "backend='cpu'" in found
+    monkeypatch.setattr(cuda, "cuda_error", lambda: "driver too old")
+    assert "driver too old" in available._device_missing()
+
+
 @pytest.mark.parametrize(
     ("raised", "kind", "words"),
     [

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from .. import packed, schedule
 from ..adaptive import Density
 from ..schedule import Progress, StopRules
+from .fitting import uploaded
 
 # A launch takes this long, so that an abort is heard and a desktop stays alive; two are queued, so
 # that the device never waits for us
@@ -55,9 +56,8 @@ class DeviceRun(schedule.Runner):
         density: Density | None,
     ):
         unlimited = np.full(film.count.shape, schedule.UNLIMITED, np.int64)
-        device.room_for(scene, film, unlimited)
         self.device = device
-        self.there, self.sum, self.unlimited = map(device.upload, (scene, film, unlimited))
+        self.there, self.sum, self.unlimited = uploaded(device, scene, film, unlimited)
         schedule.compiling(lambda: device.compile(self.sum, self.there, self.unlimited, seed))
         super().__init__(scene, film, rules, seed, 1, progress, density)
         self.level, self.busy, self.idle_since = self.first, 0.0, self.start

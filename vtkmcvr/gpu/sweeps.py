@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from .. import packed, schedule
 from .device import CudaDevice
 from .errors import translated
+from .fitting import uploaded
 from .launches import LAUNCH_SECONDS, QUEUED, WAIT_SECONDS
 
 
@@ -91,8 +92,7 @@ def run(
     film, work, ended
         The film is read from the device once, at the end; whether the last block was reached.
     """
-    device.room_for(tables)
-    there = device.upload(tables)
+    [there] = uploaded(device, tables)
     schedule.compiling(lambda: device.compile(there))
     ended = _swept(device, there, blocks, progress, abort)
     return device.download(there.film), device.download(there.work), ended
