@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from . import __version__, backends, checks
+from . import __version__, checks
 from .emission_absorption import EmissionAbsorption, EmissionAbsorptionPicture
 from .lights import Light
 from .noiseless import TECHNIQUES as NOISELESS

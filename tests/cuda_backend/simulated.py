@@ -31,7 +31,8 @@ def films_of(scenes, counts, folder, devices=1):
     )  # fmt: skip
     simulated = pickle.loads((folder / "films").read_bytes())
     return {
-        name: (on_cpu(*job[:4]), film) for name, job, film in zip(scenes, jobs, simulated, strict=True)
+        name: (on_cpu(*job[:4]), film)
+        for name, job, film in zip(scenes, jobs, simulated, strict=True)
     }
 
 

@@ -1,4 +1,4 @@
-"""A scene that does not fit: smaller voxels of the same values, else the CPU; nothing in silence."""
+"""A scene that does not fit: smaller voxels of the same values, else the CPU; never in silence."""
 
 import logging
 from dataclasses import replace

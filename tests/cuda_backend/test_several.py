@@ -10,7 +10,6 @@ from scenes import blob, everything
 from simulated import check_same, films_of
 
 from vtkmcvr import backends, schedule
-from vtkmcvr.film import copy_film
 from vtkmcvr.gpu import device as one
 from vtkmcvr.gpu import launches, several
 from vtkmcvr.gpu.errors import CudaError, OutOfDeviceMemory
@@ -117,7 +116,11 @@ def test_all_devices_alike_are_taken(monkeypatch):
     on_cpu = render_scene(SCENE, samples=2, seed=SEED, backend="cpu")
     assert np.array_equal(picture.radiance, on_cpu.radiance)
     opened = several.opened()
-    assert [(d.number, d.every, d.which) for d in opened.devices] == [(0, 3, 0), (2, 3, 1), (3, 3, 2)]
+    assert [(d.number, d.every, d.which) for d in opened.devices] == [
+        (0, 3, 0),
+        (2, 3, 1),
+        (3, 3, 2),
+    ]
 
 
 @numba_cuda

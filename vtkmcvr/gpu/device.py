@@ -12,29 +12,22 @@ from numpy.typing import NDArray
 from .errors import CPU_INSTEAD, SMALLER, OutOfDeviceMemory, translated
 
 
-class CudaDevice:
-    """A CUDA device, with a queue of launches of its own.
+class Device:
+    """A CUDA device with a queue of its own: what is copied to it, and what has ended on it.
 
     Parameters
     ----------
     number : int, optional
         Of those that are visible; default: the current one. All that is done with another one must
         be done while it is `current`.
-    every, which : int
-        Of the bands of rows, every so manieth is taken, from band `which` on.
 
     Attributes
     ----------
     name : str
         As the driver calls it, with its compute capability.
-    count : int
-        Devices that share the rows.
     """
 
-    count = 1
-
-    def __init__(self, number: int | None = None, every: int = 1, which: int = 0) -> None:
-        self.every, self.which = every, which
+    def __init__(self, number: int | None = None) -> None:
         with translated("the device was opened"):
             from numba import cuda
 
@@ -101,6 +94,34 @@ class CudaDevice:
             return part.copy_to_host(stream=self._queue)
         return _rebuilt(part, self._downloaded) if isinstance(part, tuple) else part
 
+    def finished(self, ticket: Any) -> bool:
+        """Whether a launch has ended; an error in a kernel shows here."""
+        with translated("a kernel ran"):
+            return bool(ticket.query())
+
+
+class CudaDevice(Device):
+    """A device that takes samples for the pixels of a film.
+
+    Parameters
+    ----------
+    number : int, optional
+        As of `Device`.
+    every, which : int
+        Of the bands of rows, every so manieth is taken, from band `which` on.
+
+    Attributes
+    ----------
+    count : int
+        Devices that share the rows.
+    """
+
+    count = 1
+
+    def __init__(self, number: int | None = None, every: int = 1, which: int = 0) -> None:
+        super().__init__(number)
+        self.every, self.which = every, which
+
     def compile(self, film: Any, scene: Any, goal: Any, seed: int) -> None:
         """Compile, or load from the cache, for this structure of scene."""
         with translated("kernels were compiled"):
@@ -132,11 +153,6 @@ class CudaDevice:
             warnings.filterwarnings("ignore", "Grid size")
             configured = self._launcher.render_rows[blocks, (across, down), self._queue]
         configured(film, scene, row_0, row_1, goal, most, key, every)
-
-    def finished(self, ticket: Any) -> bool:
-        """Whether a launch has ended; an error in a kernel shows here."""
-        with translated("a kernel ran"):
-            return bool(ticket.query())
 
 
 def _rebuilt(part: tuple, convert: Any) -> tuple:

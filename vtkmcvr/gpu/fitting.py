@@ -1,4 +1,4 @@
-"""Scenes that do not fit into a device's memory: voxels in a smaller type, where no value changes."""
+"""Scenes that do not fit into a device's memory: voxels in a smaller type of the same values."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def _copied(device: Any, parts: tuple[Any, ...]) -> tuple[Any, ...]:
 
 
 def shrunk(part: Any) -> Any:
-    """The same packed tuple with all voxels in the smallest type that holds them; itself if none."""
+    """The same packed tuple with all voxels in the smallest type of the same values, or itself."""
     if isinstance(part, packed.Medium):
         values = smaller_type(part.values)
         return part if values is part.values else part._replace(values=values)

@@ -103,7 +103,9 @@ class DeviceRun(schedule.Runner):
             paths = max(LEAST_PATHS * self.device.count, int(LAUNCH_SECONDS * self._rate()))
             samples = min(max(1, paths // (height * width)), target - self.level)
             least = ROWS * self.device.count
-            rows = height if paths >= height * width else max(least, paths // width // least * least)
+            rows = max(least, paths // width // least * least)
+            if paths >= height * width:
+                rows = height
             level = self.level + samples
             for start in range(0, height, rows):
                 end = min(start + rows, height)

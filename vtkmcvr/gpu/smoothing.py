@@ -7,13 +7,13 @@ import warnings
 import numpy as np
 from numpy.typing import NDArray
 
-from .device import CudaDevice
+from .device import Device
 from .errors import translated
 
 Plane = NDArray[np.float32]
 
 
-class SmoothingDevice(CudaDevice):
+class SmoothingDevice(Device):
     """A device that reduces noise."""
 
     def knn(self, guide: Plane, values: Plane, share: Plane, tolerance: Plane) -> Plane:

@@ -12,28 +12,38 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import packed, schedule
-from .device import CudaDevice
+from .device import Device
 from .errors import translated
 from .fitting import uploaded
 from .launches import LAUNCH_SECONDS, QUEUED, WAIT_SECONDS
 
 
-class SweepDevice(CudaDevice):
-    """A device that takes light through blocks of layers."""
+class SweepDevice(Device):
+    """A device that takes light through blocks of layers.
+
+    Parameters
+    ----------
+    kind : {"beams", "blurred", "published"}
+
+    Attributes
+    ----------
+    kernel : object
+        numba-cuda's, with all that it was compiled for.
+    """
 
     def __init__(self, kind: str) -> None:
         super().__init__()
         with translated("the device was opened"):
             from ..kernels import cone_cuda
         self._sweeps = cone_cuda
-        self._kernel = getattr(cone_cuda, f"sweep_{kind}")
+        self.kernel = getattr(cone_cuda, f"sweep_{kind}")
         self._grid = 1
 
     def compile(self, tables: Any) -> None:
         """Compile, or load from the cache; and see how many threads the device holds at a time."""
         with translated("kernels were compiled"):
             arguments = (*tables, np.int64(0), np.int64(0))
-            self._grid = self._sweeps.most_blocks(self._kernel, arguments)
+            self._grid = self._sweeps.most_blocks(self.kernel, arguments)
             self._launch(arguments)
             self._queue.synchronize()
 
@@ -49,7 +59,7 @@ class SweepDevice(CudaDevice):
         with warnings.catch_warnings():
             # That a small picture does not fill the device
             warnings.filterwarnings("ignore", "Grid size")
-            self._kernel[self._grid, self._sweeps.THREADS, self._queue](*arguments)
+            self.kernel[self._grid, self._sweeps.THREADS, self._queue](*arguments)
 
     def upload(self, part: Any) -> Any:
         """Return a packed tuple with its arrays on the device; one named twice is one there too."""

@@ -141,9 +141,7 @@ def compose(
     a = layers.depth[layer, row, column] * secant(perspective, x, y)
     o, d = pixel_ray(block, x, y)
     p = at(o, d, block.thickness * (f32(layer) + HALF))
-    albedo = albedo_there(
-        layers.mixed, medium, transfer, integrals, layers, layer, row, column, p
-    )
+    albedo = albedo_there(layers.mixed, medium, transfer, integrals, layers, layer, row, column, p)
     toward_eye = way_to_eye(shade, perspective, x, y)
     normal, magnitude = film_normal(shade, medium, p, toward_eye)
     sigma_t = layers.whole[layer, row, column] / block.thickness

@@ -61,7 +61,8 @@ def _on_cuda(
         return Swept(parts.film, Work(0), True, "cuda", device.name, "")
     tables = tables_of(*parts)
     film, counts, ended = sweeps.run(device, tables, blocks_in(raster), progress, abort)
-    work = Work(raster.count * raster.rows * raster.columns, *map(int, counts))
+    naive = raster.count * raster.rows * raster.columns
+    work = Work(naive, int(counts[0]), int(counts[1]))
     return Swept(film, work, ended, "cuda", device.name, "")
 
 

@@ -1,4 +1,4 @@
-"""What a sweep works with on a CUDA device: all that the CPU works out block by block, in tables."""
+"""What a sweep takes on a CUDA device: all that the CPU works out block by block, in tables."""
 
 from __future__ import annotations
 
