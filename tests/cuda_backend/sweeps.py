@@ -10,10 +10,12 @@ import numpy as np
 from scenes import blob, frontal, medium, noise, scene, volume
 
 from vtkmcvr.cutting import Plane
+from vtkmcvr.gpu.device import _rebuilt
 from vtkmcvr.layers import Layer
 from vtkmcvr.lights import ConstantEnvironment
 from vtkmcvr.occlusion import Occlusion
 from vtkmcvr.occlusion.rendering import layout, parts_of
+from vtkmcvr.occlusion.tables import tables_of
 from vtkmcvr.scene import Camera, Surface
 
 PROGRAM = Path(__file__).parents[1] / "cuda_occlusion.py"
@@ -90,3 +92,15 @@ def simulated(jobs, folder):
         check=True, timeout=500,
     )  # fmt: skip
     return pickle.loads((folder / "films").read_bytes())
+
+
+def dense(part):
+    """Tables whose arrays have memory of their own, as those on a device."""
+    if isinstance(part, np.ndarray):
+        return np.ascontiguousarray(part)
+    return _rebuilt(part, dense) if isinstance(part, tuple) else part
+
+
+def dense_tables(described, settings):
+    """Arguments of a sweep but for the numbers of its blocks."""
+    return dense(tables_of(*parts(described, settings)))

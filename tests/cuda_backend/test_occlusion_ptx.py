@@ -5,8 +5,7 @@ import pytest
 import sweeps
 from needs import compiler
 
-from vtkmcvr.gpu.device import _rebuilt
-from vtkmcvr.occlusion.tables import kind_of, tables_of
+from vtkmcvr.occlusion.tables import kind_of
 
 pytestmark = [compiler, pytest.mark.slow]
 TURING, HOPPER = (7, 5), (9, 0)
@@ -24,21 +23,14 @@ CASES = {
 }
 
 
-def dense(part):
-    """Tables whose arrays have memory of their own, as those on a device."""
-    if isinstance(part, np.ndarray):
-        return np.ascontiguousarray(part)
-    return _rebuilt(part, dense) if isinstance(part, tuple) else part
-
-
 def kernel_and_types(case):
     from numba.cuda.typing.typeof import typeof
 
     from vtkmcvr.kernels import cone_cuda
 
-    parts = sweeps.parts(*case)
-    arguments = (*dense(tables_of(*parts)), np.int64(0), np.int64(0))
-    return getattr(cone_cuda, f"sweep_{kind_of(parts.light)}"), tuple(map(typeof, arguments))
+    kind = kind_of(sweeps.parts(*case).light)
+    arguments = (*sweeps.dense_tables(*case), np.int64(0), np.int64(0))
+    return getattr(cone_cuda, f"sweep_{kind}"), tuple(map(typeof, arguments))
 
 
 @pytest.mark.parametrize("name", CASES)
