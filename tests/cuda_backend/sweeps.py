@@ -4,6 +4,7 @@ import os
 import pickle
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -41,6 +42,11 @@ MODES = {
     "fast": (PLAIN, Occlusion(mode="fast", slices=18)),
     "paper": (PLAIN, Occlusion(mode="paper", grid=3, slices=10)),
 }
+WALL = (
+    scene(volume(np.ones((9, 9, 9)), (0.25,) * 3), medium(200.0), replace(NEAR, view_angle=8),
+          size=(8, 6)),
+    Occlusion(mode="paper", grid=3, slices=33),
+)  # fmt: skip
 MORE = {
     "far away, shaded, albedo and normal, clipped": (
         scene(

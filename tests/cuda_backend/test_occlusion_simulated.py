@@ -14,6 +14,9 @@ from vtkmcvr.occlusion.single import BLUR
 pytestmark = numba_cuda
 
 
+OPAQUE = "a wall that fills the picture"
+
+
 def compared(cases, folder):
     """(of the CPU, of the simulator) by name."""
     jobs = [sweeps.parts(*case) for case in cases.values()]
@@ -26,7 +29,7 @@ def compared(cases, folder):
 
 @pytest.fixture(scope="module")
 def modes(tmp_path_factory):
-    return compared(sweeps.MODES, tmp_path_factory.mktemp("modes"))
+    return compared({**sweeps.MODES, OPAQUE: sweeps.WALL}, tmp_path_factory.mktemp("modes"))
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +43,8 @@ def check(cpu, cuda, volumes=1):
     assert all(np.isfinite(plane).all() for plane in cuda.film if plane is not None)
     check_same(cpu.film, cuda.film)
     assert (cuda.work.naive, cuda.work.seen) == (cpu.work.naive, cpu.work.seen)
-    assert cpu.work.looked_up <= cuda.work.looked_up <= cuda.work.naive * volumes
+    # Nothing behind the last view ray
+    assert 0 < cuda.work.looked_up <= cpu.work.looked_up <= cuda.work.naive * volumes
 
 
 @pytest.mark.parametrize("name", sweeps.MODES)
@@ -62,6 +66,14 @@ def test_scenes_reach_all_that_is_to_be_compared():
     assert sweeps.parts(*sweeps.MORE["HC-09 extinction of 1e12"]).filling.limited
     fast = sweeps.parts(*sweeps.MODES["fast"])
     assert sum(fast.light.variance_at(k) for k in range(fast.raster.count)) > 2 * BLUR
+
+
+def test_nothing_is_looked_up_behind_the_last_view_ray(modes):
+    cpu, opaque = modes[OPAQUE]
+    check(cpu, opaque)
+    assert opaque.film.alpha.min() > 0.99
+    # One block of eight of the 33 layers
+    assert 33 * opaque.work.looked_up == 8 * opaque.work.naive
 
 
 def test_another_cone_would_be_noticed(modes):

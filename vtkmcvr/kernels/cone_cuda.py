@@ -169,10 +169,19 @@ def look_through(sweep, sheets, eye, film, image, number, before, thickness, row
 
 
 @cuda.jit(device=True)
-def look_at_block(place, sweep, sheets, eye, film, image, number, seen):
+def goes_on(sweep, eye, image, row, column):
+    """Whether a view ray sees any more."""
+    if image[0] <= column < image[2] and image[1] <= row < image[3]:
+        return eye.light[row, column] > sweep.opaque
+    return False
+
+
+@cuda.jit(device=True)
+def look_at_block(place, sweep, sheets, eye, film, image, number, seen, work):
     """View rays of all pixels through a block, and which segments they see anything of.
 
-    Returns how many pixels of such segments this thread has marked.
+    Returns how many pixels of such segments this thread has marked; `work` gets the block's number
+    from 1 where a view ray goes on behind it.
     """
     marked = 0
     depth, rows, columns = sheets.seen.shape
@@ -182,12 +191,16 @@ def look_at_block(place, sweep, sheets, eye, film, image, number, seen):
         row, segment = tile // segments * TILE + k, tile % segments
         for layer in range(depth):
             seen[layer, k, i] = ZERO
+        bright = False
         if row < rows:
             look_through(
                 sweep, sheets, eye, film, image, number, place.before, place.thickness, row,
                 segment * SEGMENT + i, seen,
             )  # fmt: skip
-        cuda.syncthreads()
+            bright = goes_on(sweep, eye, image, row, segment * SEGMENT + i)
+        bright = cuda.syncthreads_or(bright)
+        if bright and i == 0 and k == 0:
+            cuda.atomic.max(work, 2, number + 1)
         if i < depth and row < rows:
             brightest = ZERO
             for other in range(SEGMENT):
@@ -258,7 +271,8 @@ def edges_of(sweep):
 def sweep_beams(volumes, sweep, sheets, eye, shade, film, beams, work, first, last):
     """Take light in beams through blocks `first` to before `last`.
 
-    `work` counts pixels times layers: looked up, and seen.
+    `work` counts pixels times layers: looked up, and seen; and blocks behind which a view ray goes
+    on.
     """
     grid = cuda.cg.this_grid()
     bits = cuda.shared.array(PIXELS, i32)
@@ -269,14 +283,19 @@ def sweep_beams(volumes, sweep, sheets, eye, shade, film, beams, work, first, la
         looked_up += fill_block(volumes, sweep, sheets, 0, bits)
         grid.sync()
     for number in range(first, last):
+        if number > work[2]:
+            # Behind the last view ray
+            break
         if number > 0:
             advance_beams(beams, sheets, number - 1)
         marked += look_at_block(
-            block_at(volumes[0].places, number), sweep, sheets, eye, film, image, number, seen
-        )
+            block_at(volumes[0].places, number), sweep, sheets, eye, film, image, number, seen,
+            work,
+        )  # fmt: skip
         grid.sync()
         light_by_beams(volumes[0], sweep, sheets, shade, film, image, beams, number)
-        looked_up += fill_block(volumes, sweep, sheets, number + 1, bits)
+        if number < work[2]:
+            looked_up += fill_block(volumes, sweep, sheets, number + 1, bits)
         grid.sync()
     cuda.atomic.add(work, 0, looked_up)
     cuda.atomic.add(work, 1, marked)
@@ -332,9 +351,13 @@ def sweep_blurred(volumes, sweep, sheets, eye, shade, film, blur, work, first, l
         looked_up += fill_block(volumes, sweep, sheets, 0, bits)
         grid.sync()
     for number in range(first, last):
+        if number > work[2]:
+            # Behind the last view ray
+            break
         marked += look_at_block(
-            block_at(volumes[0].places, number), sweep, sheets, eye, film, image, number, seen
-        )
+            block_at(volumes[0].places, number), sweep, sheets, eye, film, image, number, seen,
+            work,
+        )  # fmt: skip
         grid.sync()
         for layer in range(min(depth, sweep.layers - number * depth)):
             light_by_buffer(volumes[0], sweep, sheets, shade, film, image, blur, number, layer)
@@ -345,7 +368,8 @@ def sweep_blurred(volumes, sweep, sheets, eye, shade, film, blur, work, first, l
                 grid.sync()
                 blur_along(blur.other, blur.missing, 1, 0, width)
                 grid.sync()
-        looked_up += fill_block(volumes, sweep, sheets, number + 1, bits)
+        if number < work[2]:
+            looked_up += fill_block(volumes, sweep, sheets, number + 1, bits)
         grid.sync()
     cuda.atomic.add(work, 0, looked_up)
     cuda.atomic.add(work, 1, marked)
@@ -388,14 +412,19 @@ def sweep_published(volumes, sweep, sheets, eye, shade, film, table, work, first
         looked_up += fill_block(volumes, sweep, sheets, 0, bits)
         grid.sync()
     for number in range(first, last):
+        if number > work[2]:
+            # Behind the last view ray
+            break
         marked += look_at_block(
-            block_at(volumes[0].places, number), sweep, sheets, eye, film, image, number, seen
-        )
+            block_at(volumes[0].places, number), sweep, sheets, eye, film, image, number, seen,
+            work,
+        )  # fmt: skip
         grid.sync()
         for layer in range(min(depth, sweep.layers - number * depth)):
             light_as_published(volumes[0], sweep, sheets, shade, film, image, table, number, layer)
             grid.sync()
-        looked_up += fill_block(volumes, sweep, sheets, number + 1, bits)
+        if number < work[2]:
+            looked_up += fill_block(volumes, sweep, sheets, number + 1, bits)
         grid.sync()
     cuda.atomic.add(work, 0, looked_up)
     cuda.atomic.add(work, 1, marked)

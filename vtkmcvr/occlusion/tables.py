@@ -34,7 +34,8 @@ class Tables(NamedTuple):
     shade: packed.Shade | None
     film: packed.OcclusionFilm
     light: packed.BeamTable | packed.BlurTable | packed.PublishedTable
-    work: NDArray[np.int64]  # (2,) pixels times layers: looked up, and seen
+    # (3,) pixels times layers: looked up, and seen; blocks behind which a view ray goes on
+    work: NDArray[np.int64]
 
 
 def tables_of(
@@ -60,7 +61,7 @@ def tables_of(
     film = packed.OcclusionFilm._make(None if a is None else blank(a.shape) for a in film)
     sheets = _sheets(raster, filling, light)
     table = LIGHT_TABLES[kind_of(light)](raster, light)
-    return Tables(volumes, sweep, sheets, eye, shade, film, table, np.zeros(2, np.int64))
+    return Tables(volumes, sweep, sheets, eye, shade, film, table, np.zeros(3, np.int64))
 
 
 def kind_of(light: Light) -> str:
