@@ -170,10 +170,10 @@ def look_through(sweep, sheets, eye, film, image, number, before, thickness, row
 
 @cuda.jit(device=True)
 def goes_on(sweep, eye, image, row, column):
-    """Whether a view ray sees any more."""
+    """Whether a view ray sees any more, as 0 or 1: barriers take no booleans."""
     if image[0] <= column < image[2] and image[1] <= row < image[3]:
-        return eye.light[row, column] > sweep.opaque
-    return False
+        return i32(1) if eye.light[row, column] > sweep.opaque else i32(0)
+    return i32(0)
 
 
 @cuda.jit(device=True)
@@ -191,15 +191,14 @@ def look_at_block(place, sweep, sheets, eye, film, image, number, seen, work):
         row, segment = tile // segments * TILE + k, tile % segments
         for layer in range(depth):
             seen[layer, k, i] = ZERO
-        bright = False
+        bright = i32(0)
         if row < rows:
             look_through(
                 sweep, sheets, eye, film, image, number, place.before, place.thickness, row,
                 segment * SEGMENT + i, seen,
             )  # fmt: skip
             bright = goes_on(sweep, eye, image, row, segment * SEGMENT + i)
-        bright = cuda.syncthreads_or(bright)
-        if bright and i == 0 and k == 0:
+        if cuda.syncthreads_or(bright) != 0 and i == 0 and k == 0:
             cuda.atomic.max(work, 2, number + 1)
         if i < depth and row < rows:
             brightest = ZERO
