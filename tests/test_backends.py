@@ -109,9 +109,9 @@ def test_replay_takes_the_recorded_backend(with_device, monkeypatch):
     assert any("CUDA" in note for note in elsewhere.notes)
 
 
-def test_occlusion_is_the_cpus_alone():
+def test_emission_and_absorption_is_the_cpus_alone():
     with pytest.raises(ValueError, match="runs on the CPU only"):
-        render(SCENE, technique="occlusion", backend="cuda")
+        render(SCENE, technique="emission-absorption", backend="cuda")
 
 
 def test_unknown_backend():
@@ -181,6 +181,35 @@ def test_nvvm_that_cannot_be_loaded(monkeypatch):
     found = available._toolkit_missing()
     assert "NVVM was not found (libnvvm.so: not found)" in found
     assert "vtkmcvr[cuda]" in found
+
+
+def test_nvrtc_that_cannot_be_loaded(monkeypatch):
+    if find_spec("numba_cuda") is None:
+        pytest.skip("numba-cuda is not installed (extra cuda)")
+    from numba.cuda.cudadrv import nvrtc, nvvm
+
+    def absent():
+        raise OSError("libnvrtc.so: not found")
+
+    monkeypatch.setattr(nvvm, "NVVM", lambda: None)
+    monkeypatch.setattr(nvrtc, "get_supported_ccs", absent)
+    found = available._toolkit_missing()
+    assert "NVRTC was not found (libnvrtc.so: not found)" in found
+    assert "vtkmcvr[cuda]" in found
+
+
+def test_driver_without_a_device(monkeypatch):
+    if find_spec("numba_cuda") is None:
+        pytest.skip("numba-cuda is not installed (extra cuda)")
+    from numba import cuda
+
+    monkeypatch.setattr(cuda, "cuda_error", lambda: None)
+    monkeypatch.setattr(cuda, "gpus", [])
+    monkeypatch.setenv("CUDA_VISIBLE_DEVICES", "7")
+    found = available._device_missing()
+    assert "CUDA_VISIBLE_DEVICES is '7'" in found and "backend='cpu'" in found
+    monkeypatch.setattr(cuda, "cuda_error", lambda: "driver too old")
+    assert "driver too old" in available._device_missing()
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import time
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,7 @@ from .sight import nothing_seen
 logger = logging.getLogger("vtkmcvr")
 
 BACKENDS = ("auto", "cpu", "cuda")
+T = TypeVar("T")
 
 
 class Rendered(NamedTuple):
@@ -74,14 +75,35 @@ def run(
     CudaError
         Where "cuda" was asked for by name and cannot be used, or fails.
     """
-    note = ""
     if checked(backend) == "auto" and nothing_seen(scene):
         backend = "cpu"
-    if backend != "cpu":
+    return attempt(
+        backend,
+        lambda: _on_cuda(scene, film, rules, seed, progress, counts, density),
+        lambda note: _on_cpu(scene, film, rules, seed, threads, progress, counts, density, note),
+    )
+
+
+def attempt(backend: str, on_cuda: Callable[[], T], on_cpu: Callable[[str], T]) -> T:
+    """Do some work on CUDA where that can be, else on the CPU, which is told why not.
+
+    Parameters
+    ----------
+    backend : {"auto", "cpu", "cuda"}
+    on_cuda, on_cpu : callable
+        The latter takes a note, "" where there is nothing to say.
+
+    Raises
+    ------
+    CudaError
+        Where "cuda" was asked for by name and cannot be used, or fails.
+    """
+    note = ""
+    if checked(backend) != "cpu":
         absent = missing()
         if absent is None:
             try:
-                return _on_cuda(scene, film, rules, seed, progress, counts, density)
+                return on_cuda()
             except CudaError as error:
                 if backend == "cuda":
                     raise
@@ -89,7 +111,7 @@ def run(
                 logger.warning(note)
         elif backend == "cuda":
             raise CudaUnavailable(absent)
-    return _on_cpu(scene, film, rules, seed, threads, progress, counts, density, note)
+    return on_cpu(note)
 
 
 def _on_cuda(
@@ -101,10 +123,9 @@ def _on_cuda(
     counts: NDArray[np.int64] | None,
     density: Density | None,
 ) -> Rendered:
-    from .gpu import launches
-    from .gpu.device import CudaDevice
+    from .gpu import launches, several
 
-    device = CudaDevice()
+    device = several.opened()
     film, stopped_by, seconds = launches.run(
         device, scene, film, rules, seed, progress, counts, density
     )

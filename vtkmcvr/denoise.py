@@ -13,6 +13,7 @@ from types import ModuleType
 import numpy as np
 from numpy.typing import NDArray
 
+from . import backends
 from .display import SRGB_LINEAR_END, SRGB_SLOPE, srgb_encode, tone_map
 from .film_filter import window_mean
 
@@ -32,7 +33,11 @@ LOOK = (1.0, 2.0, 1.0)
 
 
 def knn(
-    radiance: Image, alpha: Image, standard_error: NDArray[np.floating], exposure: float = 0.0
+    radiance: Image,
+    alpha: Image,
+    standard_error: NDArray[np.floating],
+    exposure: float = 0.0,
+    backend: str = "cpu",
 ) -> Denoised:
     """Reduce noise by a 7x7 window of alike pixels.
 
@@ -56,24 +61,36 @@ def knn(
         Of the radiance; inf where unknown: full strength.
     exposure : float
         Stops, of the display that tells what is alike.
+    backend : {"cpu", "cuda", "auto"}
+        Where the window is gone over; both differ by roundings.
 
     Returns
     -------
     radiance, alpha : arrays of float32
     """
-    from .kernels.knn import knn_filter
-
     variance = display_variance(radiance, standard_error, exposure)
     share = strength(variance)
     seen = np.dstack([srgb_encode(tone_map(radiance, exposure)), alpha])
     look = seen + share[..., None] * (window_mean(seen, LOOK) - seen)
     values = np.dstack([radiance, alpha]).astype(np.float32)
-    out = np.empty_like(values)
-    knn_filter(
-        look.astype(np.float32), values, share,
-        (TOLERANCE * np.maximum(variance, LEAST_VARIANCE)).astype(np.float32), out,
-    )  # fmt: skip
+    tolerance = (TOLERANCE * np.maximum(variance, LEAST_VARIANCE)).astype(np.float32)
+    planes = look.astype(np.float32), values, share, tolerance
+    out = backends.attempt(backend, lambda: _knn_on_cuda(*planes), lambda _: _knn_on_cpu(*planes))
     return out[..., :3], out[..., 3]
+
+
+def _knn_on_cuda(look: Image, values: Image, share: Image, tolerance: Image) -> Image:
+    from .gpu.smoothing import SmoothingDevice
+
+    return SmoothingDevice().knn(look, values, share, tolerance)
+
+
+def _knn_on_cpu(look: Image, values: Image, share: Image, tolerance: Image) -> Image:
+    from .kernels.knn import knn_filter
+
+    out = np.empty_like(values)
+    knn_filter(look, values, share, tolerance, out)
+    return out
 
 
 def strength(variance: NDArray[np.float64]) -> Image:

@@ -87,8 +87,9 @@ def denoised(picture: Picture, method: str) -> DenoisedPicture:
     if method == "knn":
         how: dict[str, Any] = {"method": method, "exposure": exposure}
         light, coverage = denoise.knn(
-            picture.radiance, picture.alpha, picture.standard_error, exposure
-        )
+            picture.radiance, picture.alpha, picture.standard_error, exposure,
+            "auto" if picture.backend == "cuda" else "cpu",
+        )  # fmt: skip
     else:
         how = {"method": method, "guides": list(picture.plan.scene.aovs)}
         light, coverage = denoise.oidn(

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from . import __version__, backends, checks
+from . import __version__, checks
 from .emission_absorption import EmissionAbsorption, EmissionAbsorptionPicture
 from .lights import Light
 from .noiseless import TECHNIQUES as NOISELESS
@@ -214,10 +214,10 @@ def render(
         _check_unused(
             technique, samples=samples, seconds=seconds, nrms=nrms, adaptive=adaptive or None
         )
-        backends.check_unused(backend, technique)
         result = render_noiseless(
             technique, dressed.scene, occlusion or emission_absorption, exposure,
-            dressed.exposure, background, threads=threads, progress=progress, abort=abort,
+            dressed.exposure, background, threads=threads, backend=backend, progress=progress,
+            abort=abort,
         )  # fmt: skip
         return replace(result, recipe=_recipe(result, dressed, None, None, None))
     display = Display(dressed.exposure if exposure is None else exposure, background)

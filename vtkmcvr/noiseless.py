@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+from . import backends
 from .emission_absorption import (
     AS_VTK,
     EmissionAbsorption,
@@ -33,6 +34,7 @@ def render_noiseless(
     exposure: float | None,
     usual: float,
     background: Colour | None = None,
+    backend: str = "auto",
     **how: Any,
 ) -> OcclusionPicture | EmissionAbsorptionPicture:
     """Render a scene by a technique without noise.
@@ -48,13 +50,16 @@ def render_noiseless(
         Exposure of light transport.
     background : colour, optional
         Of the display.
+    backend : {"auto", "cpu", "cuda"}
+        Emission and absorption are the CPU's alone.
     **how
         `threads`, `progress` and `abort`.
     """
     if technique == "occlusion":
         assert settings is None or isinstance(settings, Occlusion)
         display = Display(usual if exposure is None else exposure, background)
-        return render_occlusion(scene, settings, display=display, **how)
+        return render_occlusion(scene, settings, display=display, backend=backend, **how)
+    backends.check_unused(backend, technique)
     assert settings is None or isinstance(settings, EmissionAbsorption)
     display = replace(AS_VTK, exposure=exposure or 0.0, background=background)
     return render_emission_absorption(scene, settings, display=display, **how)

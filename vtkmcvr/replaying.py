@@ -89,7 +89,8 @@ def replay(
         render_again = NOISELESS[recipe["technique"]]
         again = render_again(scene, part, noted, threads, progress, abort)
         again = again.with_display(_display(part))
-        return Replayed(again, *_verdict(occlusion.film_hash(again.planes), part))
+        backend = getattr(again, "backend", "cpu")
+        return Replayed(again, *_verdict(occlusion.film_hash(again.planes), part, backend))
     planned = _planned(scene)
     seed = checks.whole("the recipe's seed", part.get("seed"), least=0)
     counts = counts_of(part.get("samples"), planned.scene.size)

@@ -11,10 +11,14 @@ class FakeDevice:
     """Keeps what was asked of it; `fail_at` is the launch at which it breaks."""
 
     name = "fake device, compute capability 0.0"
+    count = 1
 
     def __init__(self, room=True, fail_at=None, error=None):
         self.room, self.fail_at, self.error = room, fail_at, error
         self.launched, self.in_flight, self.most_in_flight, self.compiled = [], 0, 0, 0
+
+    def alike(self):
+        return [0]
 
     def room_for(self, *parts):
         if not self.room:

@@ -1,6 +1,7 @@
 """PTX of kernels for any architecture, without a device, with source lines of instructions."""
 
 import re
+import subprocess
 from collections import Counter
 from pathlib import Path
 from types import SimpleNamespace
@@ -47,3 +48,28 @@ def doubles(ptx):
         elif (match := DOUBLE.match(line)) and not match[1].startswith(NO_ARITHMETIC):
             found[here] += 1
     return found
+
+
+def assembled(ptx, arch, folder, *options):
+    """Registers and spilt bytes of a kernel, by ptxas of the wheel that has NVVM too.
+
+    None without it, or where another NVVM was found that is newer.
+    """
+    import nvidia
+
+    programs = [path for root in nvidia.__path__ for path in Path(root).rglob("bin/ptxas")]
+    if not programs:
+        return None
+    (folder / "kernel.ptx").write_text(ptx)
+    done = subprocess.run(
+        [programs[0], "-v", f"-arch={arch}", *options, folder / "kernel.ptx",
+         "-o", folder / "kernel.cubin"],
+        capture_output=True, text=True,
+    )  # fmt: skip
+    if "Unsupported .version" in done.stderr:
+        return None
+    assert done.returncode == 0, done.stderr
+    return tuple(
+        int(re.search(pattern, done.stderr)[1])
+        for pattern in (r"Used (\d+) registers", r"(\d+) bytes spill stores")
+    )

@@ -17,10 +17,10 @@ PROGRAM = Path(__file__).parents[1] / "cuda_simulation.py"
 SEED = 7
 
 
-def films_of(scenes, counts, folder):
+def films_of(scenes, counts, folder, devices=1):
     """Films by name of a scene: (of the CPU, of the simulator)."""
     plans = [plan(s) for s in scenes.values()]
-    jobs = [(planned.packed, empty_film(planned), counts, SEED) for planned in plans]
+    jobs = [(planned.packed, empty_film(planned), counts, SEED, devices) for planned in plans]
     (folder / "jobs").write_bytes(pickle.dumps(jobs))
     subprocess.run(
         [sys.executable, PROGRAM, folder / "jobs", folder / "films"],
@@ -31,7 +31,8 @@ def films_of(scenes, counts, folder):
     )  # fmt: skip
     simulated = pickle.loads((folder / "films").read_bytes())
     return {
-        name: (on_cpu(*job), film) for name, job, film in zip(scenes, jobs, simulated, strict=True)
+        name: (on_cpu(*job[:4]), film)
+        for name, job, film in zip(scenes, jobs, simulated, strict=True)
     }
 
 

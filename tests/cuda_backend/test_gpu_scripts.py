@@ -11,11 +11,13 @@ from fake_device import FakeDevice
 from vtkmcvr import backends
 from vtkmcvr.film import copy_film
 from vtkmcvr.gpu import available, device
+from vtkmcvr.occlusion import carry_out
 
 SCRIPTS = Path(__file__).parents[1] / "gpu"
 sys.path.insert(0, str(SCRIPTS))
 
 import agreement  # noqa: E402
+import occluded  # noqa: E402
 
 
 class Biased(FakeDevice):
@@ -52,6 +54,29 @@ def test_devices_that_agree_pass(on):
 def test_a_bias_is_found(on):
     on(Biased)
     assert not agreement.compared(agreement.SINGLE)["passed"]
+
+
+@pytest.fixture
+def sweeping(monkeypatch):
+    def use(bias):
+        def swept(parts, progress, abort):
+            done = carry_out._on_cpu(parts, 1, progress, abort, "")
+            done.film.radiance[:] *= bias
+            return done._replace(backend="cuda", device="fake")
+
+        monkeypatch.setattr(backends, "missing", lambda: None)
+        monkeypatch.setattr(carry_out, "_on_cuda", swept)
+
+    return use
+
+
+def test_occlusion_that_agrees_passes_and_a_bias_is_found(sweeping):
+    settings = occluded.MODES["default"]
+    small = replace(occluded.PLAIN, size=(16, 12))
+    sweeping(1.0)
+    assert occluded.alike(small, settings)["passed"]
+    sweeping(1.001)
+    assert not occluded.alike(small, settings)["passed"]
 
 
 def test_one_command_says_that_there_is_no_device(tmp_path):

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import sweeps
 from needs import compiler
 from scenes import blob, everything, scene
 
@@ -73,13 +74,13 @@ def test_every_parameter_gets_an_argument_of_its_size(name, monkeypatch):
     pretend(monkeypatch, (9, 0))
     planned = plan(SCENES[name])
     film, number = empty_film(planned), np.int64(1)
-    on_host = film, planned.packed, number, number, film.count, number, number
+    on_host = film, planned.packed, number, number, film.count, number, number, number
     arguments = on_device(on_host)
     types = tuple(map(typeof, arguments))
     assert types == tuple(map(typeof, on_host))
 
-    def same_parameters(film, scene, row_0, row_1, goal, cap, seed):
-        film.count[row_0, row_1] = goal[row_0, row_1] + cap + seed
+    def same_parameters(film, scene, row_0, row_1, goal, cap, seed, every):
+        film.count[row_0, row_1] = goal[row_0, row_1] + cap + seed + every
 
     wanted = [SIZES[kind] for kind in PARAMETER.findall(ptx_of(same_parameters, types, (9, 0)))]
     flat = handed_over(types, arguments, render_rows.extensions)
@@ -104,3 +105,37 @@ def test_arguments_are_what_a_launch_packs():
     arguments = on_device((plan(SCENES["everything"]).packed,))
     flat = handed_over(tuple(map(typeof, arguments)), arguments, render_rows.extensions)
     assert handler.ParamHolder(flat).ptr
+
+
+@pytest.mark.parametrize("name", ["default", "fast", "paper", "two volumes"])
+def test_every_parameter_of_a_sweep_gets_an_argument_of_its_size(name, monkeypatch):
+    from numba.cuda.typing.typeof import typeof
+    from ptx import pretend, ptx_of
+
+    from vtkmcvr.kernels.cone_cuda import sweep_beams
+
+    pretend(monkeypatch, (9, 0))
+    arguments = on_device(sweeps.dense_tables(*{**sweeps.MODES, **sweeps.MORE}[name]))
+    arguments = (*arguments, np.int64(0), np.int64(1))
+    types = tuple(map(typeof, arguments))
+
+    def same_parameters(volumes, sweep, sheets, eye, shade, film, light, work, first, last):
+        work[0] = first + last
+
+    ptx = ptx_of(same_parameters, types, (9, 0))
+    wanted = [SIZES[kind] for kind in PARAMETER.findall(ptx)]
+    assert list(map(size_of, handed_over(types, arguments, sweep_beams.extensions))) == wanted
+    # What CUDA takes since 12.1, from compute capability 7.0 on
+    assert sum(wanted) < 32764
+
+
+def test_arrays_of_one_value_are_made_by_a_kernel_for_each_type(monkeypatch):
+    from numba.cuda.typing.typeof import typeof
+    from ptx import pretend, ptx_of
+
+    from vtkmcvr.kernels.cone_cuda import set_all
+
+    pretend(monkeypatch, (9, 0))
+    for kind in (np.float32, np.uint8, np.int32):
+        types = tuple(map(typeof, (np.zeros(3, kind), kind(1))))
+        assert ".entry" in ptx_of(set_all.py_func, types, (9, 0))

@@ -1,9 +1,5 @@
 """Kernels compile for CUDA, with arithmetic in float64 only where it is meant."""
 
-import re
-import subprocess
-from pathlib import Path
-
 import numpy as np
 import pytest
 from needs import compiler
@@ -78,38 +74,14 @@ def parameter_types(planned):
     from numba.cuda.typing.typeof import typeof
 
     film, number = empty_film(planned), np.int64(1)
-    parameters = film, planned.packed, number, number, film.count, number, number
+    parameters = film, planned.packed, number, number, film.count, number, number, number
     return tuple(map(typeof, parameters))
-
-
-def assembled(ptx, arch, folder):
-    """Registers and spilt bytes of a kernel, by ptxas of the wheel that has NVVM too.
-
-    None without it, or where another NVVM was found that is newer.
-    """
-    import nvidia
-
-    programs = [path for root in nvidia.__path__ for path in Path(root).rglob("bin/ptxas")]
-    if not programs:
-        return None
-    (folder / "kernel.ptx").write_text(ptx)
-    done = subprocess.run(
-        [programs[0], "-v", f"-arch={arch}", folder / "kernel.ptx", "-o", folder / "kernel.cubin"],
-        capture_output=True, text=True,
-    )  # fmt: skip
-    if "Unsupported .version" in done.stderr:
-        return None
-    assert done.returncode == 0, done.stderr
-    return tuple(
-        int(re.search(pattern, done.stderr)[1])
-        for pattern in (r"Used (\d+) registers", r"(\d+) bytes spill stores")
-    )
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SCENES)
 def test_every_kernel_compiles_without_stray_doubles(name, monkeypatch, tmp_path):
-    from ptx import doubles, pretend, ptx_of
+    from ptx import assembled, doubles, pretend, ptx_of
 
     from vtkmcvr.kernels.cuda import render_rows
 

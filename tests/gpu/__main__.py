@@ -18,6 +18,8 @@ sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parents[1])]
 # The folders above come first
 import agreement  # noqa: E402
 import first_picture  # noqa: E402
+import occluded  # noqa: E402
+import several  # noqa: E402
 import speed  # noqa: E402
 
 from vtkmcvr import __version__  # noqa: E402
@@ -31,6 +33,12 @@ CHECKS = (
     ("throughput", 90, speed.throughput),
     ("time_to_error", 60, speed.time_to_error),
     ("first_picture", 120, first_picture.first_picture),
+    ("occlusion_same_bits", 40, occluded.same_bits),
+    ("occlusion_agreement", 40, occluded.agreement),
+    ("occlusion_throughput", 120, occluded.throughput),
+    ("denoising", 20, occluded.denoising),
+    ("several_devices", 30, several.several_devices),
+    ("occlusion_hard_cases", 40, occluded.hard_cases),
     ("agreement_multiple", 60, agreement.multiple),
     ("agreement_lights", 60, agreement.area_lights),
     ("agreement_cuts", 60, agreement.cuts),

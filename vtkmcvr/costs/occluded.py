@@ -41,9 +41,9 @@ def occluded(
     The first of two renders compiles.
     """
     small = replace(scene, size=(8, 6))
-    render_occlusion(small, settings, threads=threads)
+    render_occlusion(small, settings, threads=threads, backend="cpu")
     start = time.process_time()
-    picture = render_occlusion(scene, settings, threads=threads)
+    picture = render_occlusion(scene, settings, threads=threads, backend="cpu")
     cpu_seconds = (time.process_time() - start) / threads
     measured, spread = reference.error(picture.radiance)
     point = Point(1, picture.seconds, None, measured, spread, cpu_seconds)

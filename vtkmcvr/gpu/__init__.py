@@ -1,4 +1,4 @@
-"""Monte Carlo on a CUDA device: what is there, memory, launches.
+"""Rendering on CUDA devices: what is there, memory, launches.
 
 The kernels are those of the CPU, compiled by numba-cuda. Nothing here imports it before it is asked
 for.

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from .. import packed, schedule
 from ..adaptive import Density
 from ..schedule import Progress, StopRules
+from .fitting import uploaded
 
 # A launch takes this long, so that an abort is heard and a desktop stays alive; two are queued, so
 # that the device never waits for us
@@ -55,9 +56,8 @@ class DeviceRun(schedule.Runner):
         density: Density | None,
     ):
         unlimited = np.full(film.count.shape, schedule.UNLIMITED, np.int64)
-        device.room_for(scene, film, unlimited)
         self.device = device
-        self.there, self.sum, self.unlimited = map(device.upload, (scene, film, unlimited))
+        self.there, self.sum, self.unlimited = uploaded(device, scene, film, unlimited)
         schedule.compiling(lambda: device.compile(self.sum, self.there, self.unlimited, seed))
         super().__init__(scene, film, rules, seed, 1, progress, density)
         self.level, self.busy, self.idle_since = self.first, 0.0, self.start
@@ -100,9 +100,12 @@ class DeviceRun(schedule.Runner):
         """Parts of a pass: all rows by some samples, or some rows by one sample."""
         height, width = self.film.count.shape
         while self.level < target:
-            paths = max(LEAST_PATHS, int(LAUNCH_SECONDS * self._rate()))
+            paths = max(LEAST_PATHS * self.device.count, int(LAUNCH_SECONDS * self._rate()))
             samples = min(max(1, paths // (height * width)), target - self.level)
-            rows = height if paths >= height * width else max(ROWS, paths // width // ROWS * ROWS)
+            least = ROWS * self.device.count
+            rows = max(least, paths // width // least * least)
+            if paths >= height * width:
+                rows = height
             level = self.level + samples
             for start in range(0, height, rows):
                 end = min(start + rows, height)

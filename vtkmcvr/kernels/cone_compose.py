@@ -124,6 +124,38 @@ def add_film(normals, albedos, i, j, normal, albedo, a, T):
     add_vector(albedos, i, j, albedo, share)
 
 
+@device
+def compose(
+    medium, transfer, integrals, block, perspective, shade, layers, film, image, layer, row, column,
+    V, total,
+):  # fmt: skip
+    """Add the light of one pixel of a layer to the picture, where the eye sees any of it.
+
+    `V` is the light that the layer sends to the eye per optical depth, `total` the sum of the
+    weights in it.
+    """
+    T = layers.seen[layer, row, column]
+    if not T > ZERO:
+        return
+    x, y = f32(column) + HALF, f32(row) + HALF
+    a = layers.depth[layer, row, column] * secant(perspective, x, y)
+    o, d = pixel_ray(block, x, y)
+    p = at(o, d, block.thickness * (f32(layer) + HALF))
+    albedo = albedo_there(layers.mixed, medium, transfer, integrals, layers, layer, row, column, p)
+    toward_eye = way_to_eye(shade, perspective, x, y)
+    normal, magnitude = film_normal(shade, medium, p, toward_eye)
+    sigma_t = layers.whole[layer, row, column] / block.thickness
+    colour = shaded(shade, albedo, normal, magnitude, toward_eye, sigma_t)
+    # Without any direction in the cone there, nothing is known of the light
+    scattered = T * a / total if total > ZERO else ZERO
+    # Not more than with all the light there is: relief may take too much off
+    most = -math.expm1(-a) * T
+    i, j = row - image[1], column - image[0]
+    for c in range(3):
+        film.radiance[i, j, c] += colour[c] * min(scattered * V[c], most)
+    add_film(film.normal, film.albedo, i, j, normal, albedo, a, T)
+
+
 @kernel
 def compose_rows(
     medium, transfer, integrals, block, perspective, shade, layers, runs, light, weight, film,
@@ -137,39 +169,21 @@ def compose_rows(
     """
     channels = light.shape[1]
     for layer in range(layers.depth.shape[0]):
-        middle = block.thickness * (f32(layer) + HALF)
         for run in range(runs.first[layer], runs.first[layer + 1]):
             row, first, last = runs.listed[run, 0], runs.listed[run, 1], runs.listed[run, 2]
             if row_0 <= row < row_1:
-                y = f32(row) + HALF
                 start = runs.slot[run]
                 sum_groups(light, weight, start, start + last - first)
                 for column in range(first, last):
-                    T = layers.seen[layer, row, column]
-                    if not T > ZERO:
-                        continue
-                    x = f32(column) + HALF
-                    oblique = secant(perspective, x, y)
-                    a = layers.depth[layer, row, column] * oblique
-                    o, d = pixel_ray(block, x, y)
-                    p = at(o, d, middle)
-                    albedo = albedo_there(
-                        layers.mixed, medium, transfer, integrals, layers, layer, row, column, p
-                    )
-                    toward_eye = way_to_eye(shade, perspective, x, y)
-                    normal, magnitude = film_normal(shade, medium, p, toward_eye)
-                    sigma_t = layers.whole[layer, row, column] / block.thickness
-                    colour = shaded(shade, albedo, normal, magnitude, toward_eye, sigma_t)
                     slot = start + column - first
                     k = slot // SEGMENT
                     w = f32(slot % SEGMENT) * STEP
                     total = weight[0, k, 0] + (weight[0, k, 1] - weight[0, k, 0]) * w
-                    # Without any direction in the cone there, nothing is known of the light
-                    scattered = T * a / total if total > ZERO else ZERO
-                    # Not more than with all the light there is: relief may take too much off
-                    most = -math.expm1(-a) * T
-                    i, j = row - image[1], column - image[0]
-                    for c in range(3):
-                        V = light[0, min(c, channels - 1), slot]
-                        film.radiance[i, j, c] += colour[c] * min(scattered * V, most)
-                    add_film(film.normal, film.albedo, i, j, normal, albedo, a, T)
+                    V = (
+                        light[0, 0, slot], light[0, min(1, channels - 1), slot],
+                        light[0, min(2, channels - 1), slot],
+                    )  # fmt: skip
+                    compose(
+                        medium, transfer, integrals, block, perspective, shade, layers, film,
+                        image, layer, row, column, V, total,
+                    )  # fmt: skip

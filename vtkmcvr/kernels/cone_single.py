@@ -110,7 +110,7 @@ def seen_light(missing, y, x):
     """V between pixels, bilinear; 1 beyond the film."""
     rows, columns = missing.shape
     j, i = i32(math.floor(y)), i32(math.floor(x))
-    fy, fx = y - math.floor(y), x - math.floor(x)
+    fy, fx = y - f32(j), x - f32(i)
     total = ZERO
     for b in range(2):
         for a in range(2):

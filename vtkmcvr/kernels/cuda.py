@@ -40,13 +40,14 @@ if not config.ENABLE_CUDASIM:
 
 
 @cuda.jit(**OPTIONS)
-def render_rows(film, scene, row_0, row_1, goal, cap, seed):
+def render_rows(film, scene, row_0, row_1, goal, cap, seed, every):
     """Bring every pixel of some rows up to its `goal` of samples, or to `cap` where that is less.
 
-    Continues where the film is.
+    Continues where the film is. Of the rows, in bands as high as a block, the first band is taken
+    and `every` so manieth: the others are other devices'.
     """
-    column, row = cuda.grid(2)
-    row += row_0
+    column = cuda.blockIdx.x * cuda.blockDim.x + cuda.threadIdx.x
+    row = row_0 + cuda.blockIdx.y * cuda.blockDim.y * every + cuda.threadIdx.y
     if row < row_1 and column < film.count.shape[1]:
         for sample in range(film.count[row, column], min(goal[row, column], cap)):
             take_sample(film, scene, row, column, sample, seed)
@@ -65,8 +66,10 @@ def _unrolls(function):
     function._CUDATypingContext__dispatcher = CUDADispatcher(own, options)
 
 
-def _cached(dispatcher):
+def keep_on_disk(dispatcher):
     """Keep machine code on disk, fresh while neither numba-cuda nor a kernel source has changed."""
+    if config.ENABLE_CUDASIM:
+        return
     dispatcher.enable_caching()
     index = dispatcher._cache._cache_file
     index._version = f"{index._version} {source_stamp()}"
@@ -78,4 +81,4 @@ if not config.ENABLE_CUDASIM:
     for function in (collide_more, layer_vertex, through_more):
         if hasattr(function, "py_func"):
             _unrolls(function)
-    _cached(render_rows)
+keep_on_disk(render_rows)

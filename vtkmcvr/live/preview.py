@@ -58,9 +58,10 @@ class Preview:
 
 
 def _noiseless(scene: Scene, settings: LiveSettings) -> Estimate:
+    # A device compiles longer than a frame may take
     picture = render_noiseless(
         settings.technique, scene, _quick(settings), settings.exposure,
-        settings.exposure_of(scene), threads=settings.threads,
+        settings.exposure_of(scene), threads=settings.threads, backend="cpu",
     )  # fmt: skip
     return Estimate(noiseless_picture_of(picture), 0, math.nan, False, settings.technique)
 

@@ -35,10 +35,11 @@ def replay_part(
     display: Display,
     planes: Mapping[str, NDArray],
     name: str = "occlusion",
+    backend: str = "cpu",
 ) -> dict[str, Any]:
     """What `vtkmcvr.replay` reads, as plain JSON values; of voxels there are hashes only.
 
-    `name` is where the settings stand.
+    `name` is where the settings stand, `backend` the one that made the planes.
     """
     part = {"format": FORMAT, "version": __version__}
     try:
@@ -51,6 +52,7 @@ def replay_part(
         name: to_plain(settings, name),
         "display": dataclasses.asdict(display),
         "film": film_hash(planes),
+        "backend": backend,
     }
 
 
@@ -66,6 +68,9 @@ def render_again(
     settings = from_plain(part.get("occlusion"), {}, "occlusion")
     if not isinstance(settings, Occlusion):
         raise ValueError("the recipe does not say how occlusion was computed")
+    # Bits are those of the backend; the other one's picture is better than none
+    backend = "auto" if part.get("backend") == "cuda" else "cpu"
     return render_occlusion(
-        scene, settings, threads=threads, progress=progress, abort=abort, recipe=recipe
-    )
+        scene, settings, threads=threads, backend=backend, progress=progress, abort=abort,
+        recipe=recipe,
+    )  # fmt: skip

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from .. import checks, packed
+from .. import backends, checks, packed
 from ..lights import ConstantEnvironment
 from ..material import Surface
 from ..openings import openings_of
@@ -22,6 +22,7 @@ from ..schedule import Progress, default_threads
 from ..screen import Display
 from .ambient import ambient_radiance
 from .beams import beams_of
+from .carry_out import Parts, sweep
 from .explain import effects_of, most_extinction
 from .medium import OPAQUE, Filling, volumes_of
 from .picture import OcclusionPicture
@@ -29,7 +30,7 @@ from .raster import MARGIN, Raster, raster_of
 from .resolve import resolve
 from .settings import MOST_SLICES, Occlusion
 from .single import Blurred, Published
-from .sweep import Light, Sweep
+from .sweep import Light
 from .traced import Traced
 
 # At detail 1: size of the raster's pixels and thickness of slices, in voxels
@@ -47,6 +48,7 @@ def render_occlusion(
     occlusion: Occlusion | None = None,
     *,
     threads: int | None = None,
+    backend: str = "auto",
     display: Display | None = None,
     progress: Callable[[Progress], object] | None = None,
     abort: Callable[[], bool] | None = None,
@@ -62,6 +64,8 @@ def render_occlusion(
     occlusion : Occlusion, optional
     threads : int, optional
         >= 1; changes no bit. Default: all CPUs that the process may use.
+    backend : {"auto", "cpu", "cuda"}
+        As for `vtkmcvr.render_scene`; pictures of both differ by roundings.
     display : Display, optional
     progress, abort : callable, optional
         As for `vtkmcvr.render_scene`, after each block of layers.
@@ -77,36 +81,39 @@ def render_occlusion(
     ValueError
         For a panorama or two eyes on one film, which have no view axis; for receivers, which slices
         do not know; for normals and shaded surfaces of several volumes.
+    CudaError
+        Where backend "cuda" was asked for and cannot be used, or fails; for a backdrop on it.
     """
+    backends.checked(backend)
     occlusion = occlusion or Occlusion()
     threads = default_threads() if threads is None else checks.whole("threads", threads, least=1)
     _check_camera(scene)
     _check_parts(scene, occlusion)
     begin = perf_counter()
     planned, raster, fine = layout(scene, occlusion)
-    width, height = planned.scene.size
-    film = _film((height, width), scene.aovs)
+    parts = parts_of(scene, planned, raster, occlusion)
     openings = None
     if scene.backdrop is not None:
         openings = openings_of(scene.backdrop, scene.camera.frame[2], fine)
-    sweep = Sweep(
-        raster, _filling(planned, occlusion, raster), _light(scene, raster, occlusion),
-        _shade(scene, planned, occlusion), film, None if openings is None else openings.packed,
-    )  # fmt: skip
 
     def report(fraction: float) -> None:
         if progress is not None:
             progress(Progress(fraction, 1, perf_counter() - begin))
 
-    ended = sweep.run(threads, report, abort)
+    hidden = None if openings is None else openings.packed
+    done = sweep(backend, parts, hidden, threads, report, abort)
+    film = done.film
     radiance = ambient_radiance(scene) if occlusion.radiance is None else occlusion.radiance
     film.radiance[:] *= np.asarray(radiance, f32)
     planes = resolve(film, fine, scene.pixel_filter)
     effects, notes = effects_of(scene, planned, occlusion, raster, fine, _axis(scene, occlusion))
+    if done.note:
+        notes = (*notes, done.note)
     return OcclusionPicture(
         planes, replace(planned, scene=scene, effects=effects, notes=notes), occlusion,
-        display or Display(), perf_counter() - begin, "end" if ended else "user", threads,
-        sweep.work, recipe=recipe or {}, behind=None if openings is None else openings.behind(),
+        display or Display(), perf_counter() - begin, "end" if done.ended else "user", threads,
+        done.work, recipe=recipe or {}, backend=done.backend, device=done.device,
+        behind=None if openings is None else openings.behind(),
     )  # fmt: skip
 
 
@@ -132,6 +139,15 @@ def _check_parts(scene: Scene, occlusion: Occlusion) -> None:
             "technique occlusion knows the gradients of one volume only: leave out shaded=True "
             "and the aov normal, or the further volumes"
         )
+
+
+def parts_of(scene: Scene, planned: Plan, raster: Raster, occlusion: Occlusion) -> Parts:
+    """What a sweep takes, of a `layout`."""
+    width, height = planned.scene.size
+    return Parts(
+        raster, _filling(planned, occlusion, raster), _light(scene, raster, occlusion),
+        _shade(scene, planned, occlusion), _film((height, width), scene.aovs),
+    )  # fmt: skip
 
 
 def _film(shape: tuple[int, int], aovs: tuple[str, ...]) -> packed.OcclusionFilm:
