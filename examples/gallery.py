@@ -114,7 +114,7 @@ SHOTS = (
 
 def volume_of_shot(shot: Shot, data: Path):
     """Read what a shot shows, in its place."""
-    from vtkmcvr.vtk_scene import volume_of
+    from vtkmcvr.vtk_bridge.scene import volume_of
 
     image = vtkmcvr.read(data / shot.path)
     return volume_of(image).flipped(shot.flip) if shot.flip else image

@@ -13,7 +13,7 @@ import numpy as np
 
 import vtkmcvr
 from vtkmcvr.phases import Cone, Isotropic
-from vtkmcvr.picture_files import write_png
+from vtkmcvr.pictures.files import write_png
 
 SKY = (vtkmcvr.ConstantEnvironment(1.0),)
 WHITE = vtkmcvr.Display(exposure=0.5, background=(1.0, 1.0, 1.0))

@@ -22,7 +22,7 @@ import paper_scenes as scenes
 from paper_convergence import SAMPLES, curves, plot
 from paper_scenes import Shot, Stage, Subject, stage_of
 
-from vtkmcvr.picture_files import write_png
+from vtkmcvr.pictures.files import write_png
 
 GAP = 4
 CONVERGENCE = "figure_11_convergence"

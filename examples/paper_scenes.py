@@ -11,7 +11,7 @@ import vtkmcvr
 from vtkmcvr.environment_files import read_environment
 from vtkmcvr.front import View
 from vtkmcvr.presets import Dressed
-from vtkmcvr.vtk_scene import volume_of
+from vtkmcvr.vtk_bridge.scene import volume_of
 
 GOLD = (1.0, 0.60, 0.20)
 FLESH = (0.93, 0.50, 0.36)

@@ -14,7 +14,7 @@ from vtkmodules.vtkRenderingCore import vtkColorTransferFunction, vtkVolumePrope
 from vtkmcvr import head_phantom
 from vtkmcvr.filters import MonteCarloFilter, ToneMapFilter
 from vtkmcvr.studio import Studio, view_camera
-from vtkmcvr.vtk_scene import volume_of
+from vtkmcvr.vtk_bridge.scene import volume_of
 
 BRAIN, TEETH, EYES = 1, 2, 3
 COLOURS = {BRAIN: (0.9, 0.55, 0.5), TEETH: (1.0, 0.95, 0.7), EYES: (0.3, 0.6, 0.9)}

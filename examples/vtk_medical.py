@@ -18,7 +18,7 @@ from vtkmodules.vtkRenderingCore import vtkColorTransferFunction, vtkVolumePrope
 from vtkmcvr import head_phantom
 from vtkmcvr.filters import MonteCarloFilter, ToneMapFilter, VolumeReader
 from vtkmcvr.studio import Studio, view_camera
-from vtkmcvr.vtk_scene import volume_of
+from vtkmcvr.vtk_bridge.scene import volume_of
 
 SIZE = (400, 300)
 

@@ -25,9 +25,9 @@ from vtkmodules.vtkRenderingCore import (
 from vtkmodules.vtkRenderingVolumeOpenGL2 import vtkOpenGLGPUVolumeRayCastMapper
 
 import vtkmcvr
-from vtkmcvr.display import srgb_decode
 from vtkmcvr.filters import EmissionAbsorptionFilter, MonteCarloFilter, ToneMapFilter
-from vtkmcvr.vtk_scene import array_of_image
+from vtkmcvr.pictures.display import srgb_decode
+from vtkmcvr.vtk_bridge.scene import array_of_image
 
 SIZE = (400, 400)
 SAMPLES = 128

@@ -8,8 +8,8 @@ from vtkmodules.vtkCommonCore import vtkStringArray
 from vtkmodules.vtkCommonDataModel import vtkImageData
 
 from vtkmcvr import checks
-from vtkmcvr.denoise import METHODS, knn, oidn
-from vtkmcvr.vtk_scene import array_of_image, image_of_radiance
+from vtkmcvr.pictures.denoise import METHODS, knn, oidn
+from vtkmcvr.vtk_bridge.scene import array_of_image, image_of_radiance
 
 from .base import ImageFilter
 from .parameters import Parameter

@@ -7,7 +7,7 @@ from typing import Any, get_args
 
 from vtkmcvr import backends, checks
 from vtkmcvr.phases import Phase
-from vtkmcvr.picture import Picture
+from vtkmcvr.pictures.picture import Picture
 from vtkmcvr.rendering import DEFAULT_SAMPLES, render_scene
 from vtkmcvr.scene import ESTIMATORS, Scene, Surface
 

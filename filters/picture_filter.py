@@ -7,12 +7,12 @@ from typing import Any
 from vtkmodules.vtkCommonDataModel import vtkImageData, vtkTable
 
 from vtkmcvr import checks
-from vtkmcvr.noiseless_picture import NoiselessPicture
-from vtkmcvr.picture import Picture
+from vtkmcvr.pictures.noiseless import NoiselessPicture
+from vtkmcvr.pictures.picture import Picture
 from vtkmcvr.plan import Plan
 from vtkmcvr.scene import Scene
 from vtkmcvr.schedule import Progress
-from vtkmcvr.vtk_scene import image_of_picture
+from vtkmcvr.vtk_bridge.scene import image_of_picture
 
 from .parameters import Parameter, optional
 from .scene_filter import SceneFilter

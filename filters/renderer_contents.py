@@ -9,7 +9,7 @@ from vtkmodules.vtkCommonDataModel import vtkPolyData
 from vtkmodules.vtkRenderingCore import vtkActor, vtkProp, vtkRenderer, vtkVolume
 from vtkmodules.vtkRenderingVolume import vtkVolumeMapper
 
-from vtkmcvr.vtk_props import (
+from vtkmcvr.vtk_bridge.props import (
     is_plain_surface,
     opaque_props,
     props_of,

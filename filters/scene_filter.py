@@ -24,19 +24,19 @@ from vtkmcvr.phases import Phase
 from vtkmcvr.receivers import Receiver
 from vtkmcvr.scene import Camera, Lens, PixelFilter, Scene, Volume, known_aovs
 from vtkmcvr.studio import Studio, studio_lights
-from vtkmcvr.vtk_environment import Environment, environment_of_image
-from vtkmcvr.vtk_layers import COLOURS, LayerReader
-from vtkmcvr.vtk_lights import members
-from vtkmcvr.vtk_mesh import MeshCache, look_of_actor
-from vtkmcvr.vtk_property import one_phase_of
-from vtkmcvr.vtk_scene import (
+from vtkmcvr.vtk_bridge.environment import Environment, environment_of_image
+from vtkmcvr.vtk_bridge.layers import COLOURS, LayerReader
+from vtkmcvr.vtk_bridge.lights import members
+from vtkmcvr.vtk_bridge.mesh import MeshCache, look_of_actor
+from vtkmcvr.vtk_bridge.property import one_phase_of
+from vtkmcvr.vtk_bridge.scene import (
     camera_of,
     default_camera,
     default_headlight,
     lights_of,
     matrix_of,
 )
-from vtkmcvr.vtk_volume import scalars_of
+from vtkmcvr.vtk_bridge.volume import scalars_of
 
 from .base import WHOLE_EXTENT, ImageFilter
 from .parameters import Parameter, one_of, optional, sequence_of

@@ -12,8 +12,8 @@ from vtkmodules.vtkCommonCore import (
 )
 from vtkmodules.vtkCommonDataModel import vtkTable
 
-from vtkmcvr.noiseless_picture import NoiselessPicture
-from vtkmcvr.picture import Picture
+from vtkmcvr.pictures.noiseless import NoiselessPicture
+from vtkmcvr.pictures.picture import Picture
 
 
 def table_of_picture(picture: Picture | NoiselessPicture) -> vtkTable:

@@ -9,11 +9,11 @@ from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkImageData
 from vtkmodules.vtkRenderingCore import vtkRenderer
 
 from vtkmcvr import checks
-from vtkmcvr.display import EXPOSURE, SHADED_EXPOSURE, to_rgba8
+from vtkmcvr.pictures.display import EXPOSURE, SHADED_EXPOSURE, to_rgba8
 from vtkmcvr.screen import CURVES
-from vtkmcvr.vtk_background import background_of
-from vtkmcvr.vtk_props import volumes_of
-from vtkmcvr.vtk_scene import array_of_image, image_of_arrays
+from vtkmcvr.vtk_bridge.background import background_of
+from vtkmcvr.vtk_bridge.props import volumes_of
+from vtkmcvr.vtk_bridge.scene import array_of_image, image_of_arrays
 
 from .base import ImageFilter
 from .parameters import Parameter, one_of, optional

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from vtkmcvr.readers import read_vtk
-from vtkmcvr.vtk_scene import volume_of
+from vtkmcvr.vtk_bridge.scene import volume_of
 
 DATA = Path(os.environ.get("VTKMCVR_DATA", Path(__file__).parents[2] / "shared" / "data"))
 

@@ -6,8 +6,8 @@ lights that a test does not want are there, too dark to count.
 
 import numpy as np
 
-from vtkmcvr import film_error
 from vtkmcvr.curves import ColourCurve, Curve
+from vtkmcvr.film import error as film_error
 from vtkmcvr.lights import (
     ConstantEnvironment,
     DirectionalLight,

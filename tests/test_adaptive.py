@@ -12,11 +12,11 @@ from scipy.stats import chi2
 from vtkmcvr import adaptive, packed, schedule
 from vtkmcvr.cli import main
 from vtkmcvr.film import new_film
-from vtkmcvr.film_merge import merge
+from vtkmcvr.film.merge import merge
 from vtkmcvr.front import render as front_render
 from vtkmcvr.lights import ConstantEnvironment, EnvironmentMap
-from vtkmcvr.recipe import recipe_of
-from vtkmcvr.replaying import replay
+from vtkmcvr.recipes.recipe import recipe_of
+from vtkmcvr.recipes.replaying import replay
 from vtkmcvr.scene import Camera
 
 LIT = (ConstantEnvironment(1.0),)

@@ -16,7 +16,7 @@ from fake_device import FakeDevice
 from vtkmcvr import backends, render, replay
 from vtkmcvr.cli import main
 from vtkmcvr.gpu import available, device, errors
-from vtkmcvr.recipe import recipe_of
+from vtkmcvr.recipes.recipe import recipe_of
 from vtkmcvr.rendering import render_scene
 
 SCENE = everything(vol=blob(5), size=(16, 12))

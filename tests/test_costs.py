@@ -25,7 +25,7 @@ from vtkmcvr.costs.variants import BIAS, MODEL, SAME, variants
 from vtkmcvr.effects import TOGETHER
 from vtkmcvr.lights import ConstantEnvironment, irradiance_at
 from vtkmcvr.occlusion import Occlusion
-from vtkmcvr.picture_files import write_png
+from vtkmcvr.pictures.files import write_png
 from vtkmcvr.plan import plan
 from vtkmcvr.prediction import estimate
 from vtkmcvr.rendering import empty_film, render_scene

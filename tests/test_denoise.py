@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from scenes import blob, medium, noise, render, scene
 
-from vtkmcvr import denoise
-from vtkmcvr.denoised_picture import DenoisedPicture
-from vtkmcvr.film_filter import window_mean
+from vtkmcvr.film.filter import window_mean
 from vtkmcvr.front import View
 from vtkmcvr.front import render as render_volume
 from vtkmcvr.lights import ConstantEnvironment
 from vtkmcvr.phantom import head_phantom
-from vtkmcvr.picture import Display
+from vtkmcvr.pictures import denoise
+from vtkmcvr.pictures.denoised import DenoisedPicture
+from vtkmcvr.pictures.picture import Display
 from vtkmcvr.scene import Volume
 
 f32 = np.float32
@@ -105,7 +105,7 @@ def test_strength_by_numbers():
 
 def test_display_variance_is_that_of_the_display():
     # Noise of 1e-3 through the whole chain; 20000 draws give its variance to 1 %
-    from vtkmcvr.display import srgb_encode, tone_map
+    from vtkmcvr.pictures.display import srgb_encode, tone_map
 
     draws = np.random.default_rng(1).normal(0.4, 1e-3, 20_000)
     shown = srgb_encode(tone_map(draws, 1.0))

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from vtkmcvr.display import (
+from vtkmcvr.pictures.display import (
     decode,
     encode,
     srgb_decode,

@@ -5,7 +5,8 @@ import pytest
 from compiled import compiled
 from scenes import noise, render, scene
 
-from vtkmcvr import film, film_error, packed
+from vtkmcvr import film, packed
+from vtkmcvr.film import error as film_error
 from vtkmcvr.kernels.sample import accumulate
 from vtkmcvr.lights import ConstantEnvironment
 

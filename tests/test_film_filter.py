@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 from scenes import render, scene
 
-from vtkmcvr.film_filter import gaussian_5x5, window_mean
+from vtkmcvr.film.filter import gaussian_5x5, window_mean
 from vtkmcvr.lights import ConstantEnvironment
-from vtkmcvr.picture import Display
+from vtkmcvr.pictures.picture import Display
 
 
 def test_gaussian_is_the_papers():

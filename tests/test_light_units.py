@@ -30,7 +30,7 @@ from vtkmcvr.lights import (
 )
 from vtkmcvr.lights.planck import chromatic_response
 from vtkmcvr.scene import Camera
-from vtkmcvr.vtk_lights import light_of
+from vtkmcvr.vtk_bridge.lights import light_of
 
 ORIGIN = (0.0, 0.0, 0.0)
 POWER = (10.0, 20.0, 30.0)
@@ -216,7 +216,7 @@ def test_patterns():
 def test_camera_lights_stand_where_vtk_puts_them():
     from vtkmodules.vtkRenderingCore import vtkLight
 
-    from vtkmcvr.vtk_scene import vtk_camera_of
+    from vtkmcvr.vtk_bridge.scene import vtk_camera_of
 
     camera = Camera((3, -8, 2), (1, 2, 3), (0.1, 0.2, 1))
     light = vtkLight()

@@ -15,7 +15,7 @@ from vtkmcvr.phantom import head_phantom
 from vtkmcvr.presets import LOOKS, dress, read_look, read_looks, write_look
 from vtkmcvr.scene import Volume
 from vtkmcvr.studio import view_camera
-from vtkmcvr.vtk_look import look_of_property, property_of_look
+from vtkmcvr.vtk_bridge.look import look_of_property, property_of_look
 
 # As 3D Slicer writes them, with made-up numbers
 SCALAR, GRADIENT = "6 -3000 0 200 0.1 1000 0.8", "4 0 1 255 1"
@@ -172,7 +172,7 @@ def test_a_look_from_a_volume_property():
 
 
 def test_a_property_of_a_look_for_an_image():
-    from vtkmcvr.vtk_property import surface_of, transfer_of
+    from vtkmcvr.vtk_bridge.property import surface_of, transfer_of
 
     head = head_phantom(24)
     image = vtkImageData()

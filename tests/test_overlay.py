@@ -10,7 +10,7 @@ from vtkmcvr.front import scene_of
 from vtkmcvr.phantom import head_phantom
 from vtkmcvr.scene import Volume
 from vtkmcvr.volume_info import record_facts
-from vtkmcvr.vtk_single import single_volume
+from vtkmcvr.vtk_bridge.single import single_volume
 
 
 def image_of(values):

@@ -9,7 +9,7 @@ from scenes import medium, noise, render, scene
 
 from vtkmcvr import schedule
 from vtkmcvr.lights import ConstantEnvironment
-from vtkmcvr.picture import Display
+from vtkmcvr.pictures.picture import Display
 
 LIGHTS = (ConstantEnvironment(1.0),)
 LIT = scene(noise(), lights=LIGHTS, size=(20, 15))
@@ -105,7 +105,7 @@ def test_16_bits_are_for_png(picture, tmp_path):
 FULL = """
 import resource, signal, sys
 import numpy as np
-from vtkmcvr.picture_files import write_exr, write_npz, write_png, write_vti
+from vtkmcvr.pictures.files import write_exr, write_npz, write_png, write_vti
 path = sys.argv[1]
 image = np.random.default_rng(1).random((200, 300, 3), np.float32)
 recipe = {"text": np.random.default_rng(1).bytes(20_000).hex()}

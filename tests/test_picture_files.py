@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from vtkmcvr.picture_files import (
+from vtkmcvr.pictures.files import (
     read_environment,
     read_npz,
     write_exr,
@@ -13,7 +13,7 @@ from vtkmcvr.picture_files import (
     write_png,
     write_vti,
 )
-from vtkmcvr.png_chunks import read_text
+from vtkmcvr.pictures.png_chunks import read_text
 
 DATA = Path(os.environ.get("VTKMCVR_DATA", Path(__file__).parents[2] / "shared" / "data"))
 RECIPE = {"preset": "ct-bone", "size": [4, 3], "seed": 1}

@@ -4,8 +4,8 @@ import zlib
 import numpy as np
 import pytest
 
-from vtkmcvr.picture_files import write_png
-from vtkmcvr.png_chunks import read_text, with_text
+from vtkmcvr.pictures.files import write_png
+from vtkmcvr.pictures.png_chunks import read_text, with_text
 
 TEXT = {"recipe": '{"größe": "' + "abc, " * 500 + '"}', "other": ""}
 
@@ -65,5 +65,5 @@ def test_damaged_files_are_one_sentence(png, case):
 
 
 def test_a_text_that_unpacks_to_gigabytes_is_cut_off(png, monkeypatch):
-    monkeypatch.setattr("vtkmcvr.png_chunks.LARGEST_TEXT", 1000)
+    monkeypatch.setattr("vtkmcvr.pictures.png_chunks.LARGEST_TEXT", 1000)
     assert len(read_text(with_text(png, {"k": "x" * 100_000}))["k"]) == 1000

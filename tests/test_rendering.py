@@ -9,7 +9,7 @@ from scenes import blob, frontal, medium, noise, render, scene
 
 from vtkmcvr import Layer, Plane, PlaneReceiver, schedule
 from vtkmcvr.lights import ConstantEnvironment, RectangleLight
-from vtkmcvr.picture import Display
+from vtkmcvr.pictures.picture import Display
 from vtkmcvr.plan import plan
 from vtkmcvr.rendering import empty_film, render_scene
 from vtkmcvr.schedule import StopRules

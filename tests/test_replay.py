@@ -11,11 +11,11 @@ from vtkmcvr.cli import main
 from vtkmcvr.curves import ColourCurve, Curve
 from vtkmcvr.lights import ConstantEnvironment, EnvironmentMap
 from vtkmcvr.phantom import head_phantom
-from vtkmcvr.picture import Display
-from vtkmcvr.png_chunks import with_text
-from vtkmcvr.recipe import counts_of, plain_counts, recipe_of
-from vtkmcvr.recipe_files import read_recipe
-from vtkmcvr.replaying import replay
+from vtkmcvr.pictures.picture import Display
+from vtkmcvr.pictures.png_chunks import with_text
+from vtkmcvr.recipes.files import read_recipe
+from vtkmcvr.recipes.recipe import counts_of, plain_counts, recipe_of
+from vtkmcvr.recipes.replaying import replay
 from vtkmcvr.scene import TransferFunction, Volume
 
 SUFFIXES = (".png", ".exr", ".vti", ".npz")
@@ -173,8 +173,8 @@ def test_no_file_name_and_no_voxel_is_in_a_picture(tmp_path):
 
 
 def test_a_scene_without_plain_form_is_saved_all_the_same(picture, tmp_path, monkeypatch):
-    from vtkmcvr import recipe
-    from vtkmcvr.serialise import NotSerialisable
+    from vtkmcvr.recipes import recipe
+    from vtkmcvr.recipes.serialise import NotSerialisable
 
     def refuse(scene):
         raise NotSerialisable("scene.lights[0] is a function, which a recipe cannot hold")
@@ -199,7 +199,7 @@ def test_changed_and_missing_data_is_refused(picture, tmp_path):
 
 
 def test_volumes_come_as_arrays_and_images_too(picture):
-    from vtkmcvr.vtk_scene import volume_of
+    from vtkmcvr.vtk_bridge.scene import volume_of
 
     pyvista = pytest.importorskip("pyvista")
     values = LIT.volume.values
@@ -270,7 +270,7 @@ def test_command_says_when_the_bits_differ(picture, tmp_path, capsys):
 
 
 def pngs(folder):
-    from vtkmcvr.picture_files import write_png
+    from vtkmcvr.pictures.files import write_png
 
     write_png(folder / "empty.png", np.zeros((2, 2, 4), np.uint8))
     return (folder / "empty.png").read_bytes()

@@ -6,18 +6,18 @@ import numpy as np
 import pytest
 from scenes import blob, medium, scene
 
-from vtkmcvr.content_hash import content_hash
 from vtkmcvr.curves import Curve
 from vtkmcvr.cutting import ALL_REGIONS, Box, Cropping, Plane, Sphere
-from vtkmcvr.deserialise import from_plain
 from vtkmcvr.labels import Labels
 from vtkmcvr.layers import Layer
 from vtkmcvr.lights import EnvironmentMap, PointLight
 from vtkmcvr.phases import HenyeyGreenstein
 from vtkmcvr.plan import plan
 from vtkmcvr.receivers import BoxReceiver, MeshReceiver, PlaneReceiver, SphereReceiver
+from vtkmcvr.recipes.content_hash import content_hash
+from vtkmcvr.recipes.deserialise import from_plain
+from vtkmcvr.recipes.serialise import to_plain
 from vtkmcvr.scene import Surface, TransferFunction
-from vtkmcvr.serialise import to_plain
 
 SHAPE = (17, 17, 17)
 RISING = Curve([(0, 0.0), (1, 0.5)])

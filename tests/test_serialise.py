@@ -9,12 +9,12 @@ from scenes import blob, everything, noise, scene
 
 from vtkmcvr import lights
 from vtkmcvr.camera import Camera, Lens, PixelFilter
-from vtkmcvr.content_hash import content_hash
 from vtkmcvr.curves import ColourCurve, Curve
-from vtkmcvr.deserialise import MissingArray, from_plain
 from vtkmcvr.material import Surface, TransferFunction, TransferTable
 from vtkmcvr.phases import Cone, HenyeyGreenstein, Isotropic, Rayleigh, Schlick
-from vtkmcvr.serialise import NotSerialisable, to_plain
+from vtkmcvr.recipes.content_hash import content_hash
+from vtkmcvr.recipes.deserialise import MissingArray, from_plain
+from vtkmcvr.recipes.serialise import NotSerialisable, to_plain
 
 SKY = lights.EnvironmentMap(np.random.default_rng(1).random((3, 5, 3)), 0.7)
 
@@ -127,7 +127,7 @@ HOSTILE = {
     "unknown type": ({"type": "lights.LaserLight"}, "unknown type 'lights.LaserLight'"),
     "other module": ({"type": "os.Popen"}, "unknown type"),
     "the command": ({"type": "__main__.X"}, "unknown type"),
-    "private": ({"type": "phantom_shapes._Hidden"}, "unknown type"),
+    "private": ({"type": "phantom.shapes._Hidden"}, "unknown type"),
     "a function": ({"type": "checks.number"}, "unknown type"),
     "no dataclass": ({"type": "rendering.Any"}, "unknown type"),
     "imported, not defined there": ({**GOOD, "type": "scene.Camera"}, "unknown type"),

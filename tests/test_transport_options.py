@@ -14,7 +14,7 @@ from vtkmcvr.commands.transport_options import (
 )
 from vtkmcvr.front import scene_of
 from vtkmcvr.phantom import head_phantom
-from vtkmcvr.picture import Display
+from vtkmcvr.pictures.picture import Display
 from vtkmcvr.scene import HenyeyGreenstein, Volume
 
 HEAD = Volume.from_grid(*head_phantom(16))

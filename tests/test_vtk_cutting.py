@@ -20,10 +20,10 @@ from vtkmodules.vtkRenderingVolumeOpenGL2 import vtkOpenGLGPUVolumeRayCastMapper
 
 from vtkmcvr.cutting import CROSS, FENCE, SUBVOLUME, Box, Plane, Sphere
 from vtkmcvr.receivers import SphereReceiver
-from vtkmcvr.vtk_cutting import clip_of, cropping_of, shapes_of
-from vtkmcvr.vtk_labels import label_transfers_of, mask_of
-from vtkmcvr.vtk_mesh import MeshCache, mesh_of
-from vtkmcvr.vtk_scene import volume_of
+from vtkmcvr.vtk_bridge.cutting import clip_of, cropping_of, shapes_of
+from vtkmcvr.vtk_bridge.labels import label_transfers_of, mask_of
+from vtkmcvr.vtk_bridge.mesh import MeshCache, mesh_of
+from vtkmcvr.vtk_bridge.scene import volume_of
 
 
 def plane(origin=(1, 2, 3), normal=(0, 0, 2)):

@@ -26,7 +26,7 @@ from vtkmodules.vtkRenderingVolumeOpenGL2 import vtkOpenGLGPUVolumeRayCastMapper
 
 from vtkmcvr.lights import ConstantEnvironment, DirectionalLight, PointLight
 from vtkmcvr.scene import Camera, Lens, Stereo
-from vtkmcvr.vtk_scene import (
+from vtkmcvr.vtk_bridge.scene import (
     VolumeCache,
     array_of_image,
     camera_of,

@@ -30,8 +30,8 @@ _HOME = {
     "effect_costs": "costs.effects",
     "warm_up": "warming",
     "write_report": "report",
-    "replay": "replaying",
-    "read_recipe": "recipe_files",
+    "replay": "recipes.replaying",
+    "read_recipe": "recipes.files",
     "EmissionAbsorption": "emission_absorption",
     "EmissionAbsorptionPicture": "emission_absorption",
     "render_emission_absorption": "emission_absorption",
@@ -39,9 +39,9 @@ _HOME = {
     "Occlusion": "occlusion",
     "OcclusionPicture": "occlusion",
     "render_occlusion": "occlusion",
-    "Picture": "picture",
-    "DenoisedPicture": "denoised_picture",
-    "Display": "picture",
+    "Picture": "pictures.picture",
+    "DenoisedPicture": "pictures.denoised",
+    "Display": "pictures.picture",
     "read_environment": "environment_files",
     "Scene": "scene",
     "Volume": "scene",
@@ -70,8 +70,8 @@ _HOME = {
     "Look": "presets",
     "read_look": "presets",
     "write_look": "presets",
-    "look_of_property": "vtk_look",
-    "property_of_look": "vtk_look",
+    "look_of_property": "vtk_bridge.look",
+    "property_of_look": "vtk_bridge.look",
     "PlaneReceiver": "receivers",
     "BoxReceiver": "receivers",
     "SphereReceiver": "receivers",
@@ -104,7 +104,6 @@ if TYPE_CHECKING:
     from .costs.study import study
     from .curves import ColourCurve, Curve
     from .cutting import Box, Cropping, Plane, Sphere
-    from .denoised_picture import DenoisedPicture
     from .emission_absorption import (
         EmissionAbsorption,
         EmissionAbsorptionPicture,
@@ -137,15 +136,16 @@ if TYPE_CHECKING:
     from .material import Phong
     from .occlusion import Occlusion, OcclusionPicture, render_occlusion
     from .phantom import head_phantom
-    from .picture import Display, Picture
+    from .pictures.denoised import DenoisedPicture
+    from .pictures.picture import Display, Picture
     from .prediction import estimate
     from .presets import Look, read_look, write_look
     from .pyvista_readers import override_pyvista_readers
     from .readers import list_series, read, read_labels, time_steps
     from .receivers import BoxReceiver, MeshReceiver, PlaneReceiver, SphereReceiver
-    from .recipe_files import read_recipe
+    from .recipes.files import read_recipe
+    from .recipes.replaying import replay
     from .rendering import render_scene
-    from .replaying import replay
     from .report import write_report
     from .scene import (
         Camera,
@@ -165,7 +165,7 @@ if TYPE_CHECKING:
     )
     from .segmentation import Segmentation
     from .studio import view_camera
-    from .vtk_look import look_of_property, property_of_look
+    from .vtk_bridge.look import look_of_property, property_of_look
     from .warming import warm_up
     from .work.count import count_work
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .film_error import variance
+from .film.error import variance
 from .packed import Film
 
 # Two-sided 95 % of the normal distribution

@@ -14,7 +14,7 @@ from .lights import Light
 from .noiseless import TECHNIQUES as NOISELESS
 from .noiseless import check_settings, render_noiseless
 from .occlusion import Occlusion, OcclusionPicture
-from .picture import Display, Picture
+from .pictures.picture import Display, Picture
 from .presets import Dressed, Look, dress
 from .presets.fit import look_of
 from .presets.framing import view_of_slab
@@ -27,7 +27,7 @@ from .schedule import Progress
 from .segmentation import Segmentation
 from .studio import View, view_camera
 from .volume_info import modality, segments, units
-from .vtk_single import single_volume
+from .vtk_bridge.single import single_volume
 
 TECHNIQUES = ("monte-carlo", *NOISELESS)
 # sRGB colour behind presets

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import checks
-from .content_hash import INSIDE
 from .curves import ColourCurve, Curve
+from .recipes.content_hash import INSIDE
 
 Vector = tuple[float, float, float]
 

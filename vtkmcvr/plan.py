@@ -14,14 +14,14 @@ from . import packed
 from .effects import Effect, EffectCost, table
 from .pack import f32
 from .phases import Phase
-from .plan_camera import pack_backdrop, pack_camera, pack_lens
-from .plan_lights import pack_lights
-from .plan_receivers import pack_receivers
-from .plan_sampling import pack_sobol, sampling_effect
-from .plan_scatterers import pack_scatterers
-from .plan_surface import pack_normal_map
-from .plan_transport import estimator_words, pack_marching
-from .plan_volume import (
+from .planning.camera import pack_backdrop, pack_camera, pack_lens
+from .planning.lights import pack_lights
+from .planning.receivers import pack_receivers
+from .planning.sampling import pack_sobol, sampling_effect
+from .planning.scatterers import pack_scatterers
+from .planning.surface import pack_normal_map
+from .planning.transport import estimator_words, pack_marching
+from .planning.volume import (
     MORE,
     PackedVolume,
     coat,

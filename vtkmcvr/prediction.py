@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from . import checks, packed, schedule
 from .accuracy import image_error, samples_for
 from .adaptive import QUARTERS
-from .film_error import variance
+from .film.error import variance
 from .plan import Plan, plan
 from .rendering import empty_film
 from .scene import Scene

@@ -10,7 +10,7 @@ from typing import Any
 from . import backends, checks, packed, schedule
 from .adaptive import PILOT_SAMPLES, PILOT_SHARE, Density, density_of, pilot_seed
 from .film import copy_film, new_film
-from .picture import Display, Picture
+from .pictures.picture import Display, Picture
 from .plan import Plan, plan
 from .scene import Scene
 from .schedule import Progress, StopRules

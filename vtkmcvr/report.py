@@ -15,13 +15,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from . import __version__, picture_files
+from . import __version__
 from .accuracy import image_error
+from .pictures import files as picture_files
 from .safe_files import replacing
 
 if TYPE_CHECKING:
     from .effects import EffectCost
-    from .picture import Picture
+    from .pictures.picture import Picture
 
 # Errors relative to the picture's RMS radiance that the error map shows as black and as white
 LEAST, MOST = 1e-3, 1.0

@@ -1,6 +1,6 @@
 """What the user describes: plain, frozen, validated data. World units are those of the volume.
 
-Nothing here knows VTK or Numba; `vtk_scene` translates from VTK, `plan` into what kernels see.
+Nothing here knows VTK or Numba; `vtk_bridge` translates from VTK, `plan` into what kernels see.
 """
 
 from __future__ import annotations

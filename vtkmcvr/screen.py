@@ -9,8 +9,8 @@ from typing import Any
 from numpy.typing import NDArray
 
 from . import checks
-from .display import to_rgba8, to_rgba16
-from .film_filter import gaussian_5x5
+from .film.filter import gaussian_5x5
+from .pictures.display import to_rgba8, to_rgba16
 
 Colour = tuple[float, float, float]
 FILM_FILTERS = ("none", "gaussian-5x5")
@@ -61,7 +61,7 @@ class Display:
 
 
 def shown(radiance: NDArray, alpha: NDArray | None, display: Display, bits: int = 8) -> NDArray:
-    """Display picture of a film; see `vtkmcvr.display.to_rgba8` and `to_rgba16`."""
+    """Display picture of a film; see `vtkmcvr.pictures.display.to_rgba8` and `to_rgba16`."""
     if bits not in TO_RGBA:
         raise ValueError(f"a picture has 8 or 16 bits, got {bits!r}")
     if display.film_filter == "gaussian-5x5":

@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .curves import ColourCurve, Curve
-from .display import srgb_decode
 from .labels import Labels, whole_numbers
 from .layers import Layer
 from .material import Surface, TransferFunction
+from .pictures.display import srgb_decode
 from .reading.colours import spread_colour
 from .volume import Volume
 from .volume_info import Segment, segments
@@ -87,7 +87,7 @@ class Segmentation:
         **chosen
             `show`, `hide` and `highlight`.
         """
-        from .vtk_volume import volume_of
+        from .vtk_bridge.volume import volume_of
 
         return cls(volume_of(image), tuple(segments(image)), **chosen)
 

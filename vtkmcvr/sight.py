@@ -6,7 +6,7 @@ import numpy as np
 
 from . import packed
 from .adaptive import Density, goals
-from .plan_medium import NOWHERE
+from .planning.medium import NOWHERE
 
 # Of a picture without light that was given no number of samples
 SAMPLES = 16

@@ -7,7 +7,7 @@ from typing import Any
 from vtkmodules.vtkCommonDataModel import vtkImageData
 from vtkmodules.vtkRenderingCore import vtkCamera, vtkRenderer, vtkVolume, vtkVolumeProperty
 
-from vtkmcvr.vtk_props import volumes_of
+from vtkmcvr.vtk_bridge.props import volumes_of
 
 
 def renderer() -> vtkRenderer:

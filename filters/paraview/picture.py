@@ -12,8 +12,8 @@ from vtkmodules.vtkRenderingCore import vtkCamera, vtkVolumeProperty
 
 from vtkmcvr.presets import look_named
 from vtkmcvr.studio import Studio, view_camera
-from vtkmcvr.vtk_look import property_of_look
-from vtkmcvr.vtk_scene import volume_of
+from vtkmcvr.vtk_bridge.look import property_of_look
+from vtkmcvr.vtk_bridge.scene import volume_of
 
 from ..tone_map import RGBA_COMPONENTS, ToneMapFilter
 from . import active_view

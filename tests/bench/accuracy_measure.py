@@ -14,9 +14,9 @@ from vtkmcvr.accuracy import image_error
 from vtkmcvr.costs.fit import fit_power
 from vtkmcvr.costs.ladder import Reference, climb, make_reference, plain
 from vtkmcvr.costs.occluded import cone_scene, occluded
-from vtkmcvr.film_error import variance
+from vtkmcvr.film.error import variance
 from vtkmcvr.occlusion import Occlusion
-from vtkmcvr.picture import Picture
+from vtkmcvr.pictures.picture import Picture
 from vtkmcvr.plan import plan
 from vtkmcvr.prediction import estimate
 from vtkmcvr.rendering import render_scene

@@ -11,7 +11,7 @@ import numpy as np
 from vtkmcvr.front import View, scene_of
 from vtkmcvr.readers import read_vtk
 from vtkmcvr.scene import Scene, Volume
-from vtkmcvr.vtk_scene import volume_of
+from vtkmcvr.vtk_bridge.scene import volume_of
 
 DATA = Path(os.environ.get("VTKMCVR_DATA", Path(__file__).parents[3] / "shared" / "data"))
 

@@ -21,7 +21,7 @@ from vtkmcvr.costs.study import machine
 from vtkmcvr.front import View, scene_of
 from vtkmcvr.plan import plan
 from vtkmcvr.rendering import render_scene
-from vtkmcvr.vtk_scene import volume_of
+from vtkmcvr.vtk_bridge.scene import volume_of
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 SUBJECTS = {

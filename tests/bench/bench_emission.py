@@ -18,7 +18,7 @@ import numpy as np
 from scipy.ndimage import map_coordinates
 
 import vtkmcvr
-from vtkmcvr.vtk_scene import volume_of
+from vtkmcvr.vtk_bridge.scene import volume_of
 
 CELL, PER_VOXEL, LOOSE, ROULETTE = 8, 16, 1.5, 0.3
 DENSITIES = (0.02, 0.1, 0.5, 3.0)

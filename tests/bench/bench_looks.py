@@ -15,7 +15,7 @@ import vtkmcvr
 from vtkmcvr import schedule, voxels
 from vtkmcvr.front import View, scene_of
 from vtkmcvr.plan import plan
-from vtkmcvr.vtk_scene import volume_of
+from vtkmcvr.vtk_bridge.scene import volume_of
 
 CELL_EDGES = (2, 3, 4, 6, 8)
 

@@ -30,7 +30,7 @@ from vtkmcvr.readers import read_vtk
 from vtkmcvr.rendering import render_scene
 from vtkmcvr.scene import Scene, Volume
 from vtkmcvr.studio import view_camera
-from vtkmcvr.vtk_scene import volume_of
+from vtkmcvr.vtk_bridge.scene import volume_of
 
 sys.path[:0] = [str(Path(__file__).parents[1] / folder) for folder in (".", "occlusion")]
 from occlusion_scenes import (  # noqa: E402

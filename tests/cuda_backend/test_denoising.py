@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 from needs import compiler, numba_cuda
 
-from vtkmcvr import backends, denoise
+from vtkmcvr import backends
 from vtkmcvr.gpu import smoothing
 from vtkmcvr.gpu.errors import CudaError
+from vtkmcvr.pictures import denoise
 
 PROGRAM = """
 import pickle, sys

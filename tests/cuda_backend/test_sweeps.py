@@ -14,7 +14,7 @@ from vtkmcvr.occlusion import Occlusion, render_occlusion
 from vtkmcvr.occlusion.carry_out import sweep
 from vtkmcvr.occlusion.rendering import layout, parts_of
 from vtkmcvr.occlusion.tables import blocks_in, tables_of
-from vtkmcvr.recipe_files import read_recipe
+from vtkmcvr.recipes.files import read_recipe
 from vtkmcvr.scene import Volume
 
 SETTINGS = Occlusion(directions=4, slices=50)

@@ -8,7 +8,7 @@ from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow, vtkVolume
 
 from vtkmcvr.emission_absorption import EmissionAbsorption
 from vtkmcvr.filters import EmissionAbsorptionFilter
-from vtkmcvr.vtk_scene import array_of_image
+from vtkmcvr.vtk_bridge.scene import array_of_image
 
 
 @pytest.fixture

@@ -12,7 +12,7 @@ from vtkmcvr import EmissionAbsorption, Phong, PlaneReceiver, Surface, render_em
 from vtkmcvr.cli import main
 from vtkmcvr.filters import EmissionAbsorptionFilter, MonteCarloFilter, ToneMapFilter
 from vtkmcvr.scene import Camera, Lens
-from vtkmcvr.vtk_scene import array_of_image
+from vtkmcvr.vtk_bridge.scene import array_of_image
 
 TECHNIQUE = "emission-absorption"
 SMALL = {"preset": "solid", "size": (24, 18)}

@@ -20,8 +20,8 @@ from vtkmodules.vtkRenderingVolumeOpenGL2 import vtkOpenGLGPUVolumeRayCastMapper
 
 from vtkmcvr.emission_absorption import EmissionAbsorption, render_emission_absorption
 from vtkmcvr.scene import Scene
-from vtkmcvr.vtk_cutting import clip_of, cropping_of
-from vtkmcvr.vtk_scene import camera_of, looks_of
+from vtkmcvr.vtk_bridge.cutting import clip_of, cropping_of
+from vtkmcvr.vtk_bridge.scene import camera_of, looks_of
 
 GPU, FIXED_POINT = vtkOpenGLGPUVolumeRayCastMapper, vtkFixedPointVolumeRayCastMapper
 SIZE = (80, 60)
@@ -116,7 +116,7 @@ def by_us(data, prop, mapper, camera, user_matrix=None, size=SIZE, step=FINE, **
     (found,) = looks_of(data, prop)
     volume = found.volume
     if user_matrix is not None:
-        from vtkmcvr.vtk_scene import volume_of
+        from vtkmcvr.vtk_bridge.scene import volume_of
 
         volume = volume_of(data, user_matrix=user_matrix)
     scene = Scene(

@@ -15,7 +15,7 @@ from vtkmodules.vtkRenderingCore import (
 
 from vtkmcvr import voxels
 from vtkmcvr.filters import MonteCarloFilter, ToneMapFilter, monte_carlo
-from vtkmcvr.picture import Picture
+from vtkmcvr.pictures.picture import Picture
 
 
 def counted(monkeypatch, module, name):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from vtkmcvr.filters import DenoiseFilter
-from vtkmcvr.vtk_scene import array_of_image
+from vtkmcvr.vtk_bridge.scene import array_of_image
 
 
 @pytest.fixture

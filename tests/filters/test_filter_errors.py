@@ -10,7 +10,7 @@ from vtkmodules.vtkFiltersSources import vtkSphereSource
 from vtkmodules.vtkImagingCore import vtkImageFlip
 
 from vtkmcvr.filters import MonteCarloFilter, ToneMapFilter
-from vtkmcvr.vtk_scene import array_of_image
+from vtkmcvr.vtk_bridge.scene import array_of_image
 
 # Errors
 

@@ -13,7 +13,7 @@ from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline
 from vtkmodules.vtkImagingCore import vtkImageCast
 
 from vtkmcvr.filters import DenoiseFilter, MonteCarloFilter, ToneMapFilter
-from vtkmcvr.vtk_scene import array_of_image
+from vtkmcvr.vtk_bridge.scene import array_of_image
 
 SDDP = vtkStreamingDemandDrivenPipeline
 

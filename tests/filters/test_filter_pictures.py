@@ -14,7 +14,7 @@ from vtkmcvr.filters import MonteCarloFilter, ToneMapFilter
 from vtkmcvr.lights import ConstantEnvironment, DirectionalLight, EnvironmentMap
 from vtkmcvr.rendering import render_scene
 from vtkmcvr.scene import Camera, HenyeyGreenstein, Lens, PixelFilter, Scene, Volume
-from vtkmcvr.vtk_scene import array_of_image
+from vtkmcvr.vtk_bridge.scene import array_of_image
 
 
 def opaque_above(threshold):

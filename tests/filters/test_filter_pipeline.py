@@ -13,7 +13,7 @@ from vtkmodules.vtkImagingCore import vtkImageCast, vtkImageFlip
 from vtkmodules.vtkRenderingCore import vtkCamera
 
 from vtkmcvr.filters import MonteCarloFilter, ToneMapFilter
-from vtkmcvr.vtk_scene import array_of_image
+from vtkmcvr.vtk_bridge.scene import array_of_image
 
 # Output and announcements
 

@@ -26,17 +26,17 @@ from vtkmodules.vtkRenderingCore import (
 from vtkmodules.vtkRenderingVolume import vtkGPUVolumeRayCastMapper, vtkMultiVolume
 from vtkmodules.vtkRenderingVolumeOpenGL2 import vtkSmartVolumeMapper
 
-from vtkmcvr.display import srgb_decode
 from vtkmcvr.filters import DirectionalOcclusionFilter, MonteCarloFilter, ToneMapFilter
 from vtkmcvr.filters.scene_values import value_of
 from vtkmcvr.lights import EnvironmentMap
 from vtkmcvr.live.reading import SceneReader
 from vtkmcvr.live.settings import LiveSettings
+from vtkmcvr.pictures.display import srgb_decode
 from vtkmcvr.scene import PixelFilter
-from vtkmcvr.vtk_background import background_of
-from vtkmcvr.vtk_environment import FROM_PANORAMA, environment_of
-from vtkmcvr.vtk_props import volumes_of
-from vtkmcvr.vtk_scene import array_of_image
+from vtkmcvr.vtk_bridge.background import background_of
+from vtkmcvr.vtk_bridge.environment import FROM_PANORAMA, environment_of
+from vtkmcvr.vtk_bridge.props import volumes_of
+from vtkmcvr.vtk_bridge.scene import array_of_image
 
 SIZE = (32, 24)
 

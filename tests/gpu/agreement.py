@@ -5,8 +5,8 @@ import math
 import numpy as np
 from scenes import blob, everything, medium, noise, scene, slab
 
-from vtkmcvr import film_error
 from vtkmcvr.cutting import Plane, Sphere
+from vtkmcvr.film import error as film_error
 from vtkmcvr.gpu import launches
 from vtkmcvr.layers import Layer
 from vtkmcvr.lights import (

@@ -8,13 +8,14 @@ from agreement import SINGLE
 from scenes import blob, everything, medium, scene
 from speed import volumes
 
-from vtkmcvr import denoise, scene_of
+from vtkmcvr import scene_of
 from vtkmcvr.cutting import Plane
 from vtkmcvr.gpu import sweeps
 from vtkmcvr.lights import ConstantEnvironment
 from vtkmcvr.occlusion import Occlusion, render_occlusion
 from vtkmcvr.occlusion.rendering import layout, parts_of
 from vtkmcvr.occlusion.tables import blocks_in, kind_of, tables_of
+from vtkmcvr.pictures import denoise
 from vtkmcvr.rendering import render_scene
 from vtkmcvr.scene import Camera, Surface, Volume
 

@@ -10,11 +10,11 @@ from techniques import SKY, by_monte_carlo, picture_by
 
 from vtkmcvr import packed
 from vtkmcvr.curves import Curve
-from vtkmcvr.denoise import knn
-from vtkmcvr.display import srgb_decode, to_rgba8, tone_map
-from vtkmcvr.film_filter import gaussian_5x5
+from vtkmcvr.film.filter import gaussian_5x5
 from vtkmcvr.kernels.jit import entry_point
 from vtkmcvr.kernels.transfer import extinction
+from vtkmcvr.pictures.denoise import knn
+from vtkmcvr.pictures.display import srgb_decode, to_rgba8, tone_map
 from vtkmcvr.plan import plan
 from vtkmcvr.rendering import render_scene
 from vtkmcvr.scene import Camera, Lens, TransferFunction

@@ -10,7 +10,7 @@ from techniques import SKY
 
 from vtkmcvr import packed, schedule
 from vtkmcvr.film import new_film
-from vtkmcvr.film_merge import merge
+from vtkmcvr.film.merge import merge
 from vtkmcvr.kernels.jit import entry_point
 from vtkmcvr.kernels.sample import accumulate
 

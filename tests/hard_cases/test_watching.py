@@ -14,7 +14,7 @@ from vtkmcvr.filters import MonteCarloFilter
 from vtkmcvr.occlusion import render_occlusion
 from vtkmcvr.packed import Ambient
 from vtkmcvr.plan import plan
-from vtkmcvr.recipe import recipe_of
+from vtkmcvr.recipes.recipe import recipe_of
 from vtkmcvr.rendering import render_scene
 from vtkmcvr.report import write_report
 

@@ -8,7 +8,7 @@ from vtkmodules.vtkFiltersSources import vtkSphereSource
 from vtkmcvr.kernels.bvh import nearest_triangle, triangle_normal
 from vtkmcvr.kernels.bvh_build import LEAF_SIZE
 from vtkmcvr.kernels.jit import entry_point
-from vtkmcvr.plan_receivers import pack_receivers
+from vtkmcvr.planning.receivers import pack_receivers
 from vtkmcvr.receivers import MeshReceiver
 
 f32 = np.float32

@@ -13,7 +13,7 @@ from vtkmcvr.kernels.jit import entry_point
 from vtkmcvr.kernels.tracking import classify
 from vtkmcvr.labels import Labels
 from vtkmcvr.plan import plan
-from vtkmcvr.plan_cutting import face_depth, pack_cuts
+from vtkmcvr.planning.cutting import face_depth, pack_cuts
 from vtkmcvr.scene import TransferFunction, Volume
 
 f32 = np.float32

@@ -20,7 +20,7 @@ from vtkmcvr.kernels.lights import (
 )
 from vtkmcvr.kernels.rng import start
 from vtkmcvr.lights import CylinderLight, DiskLight, RectangleLight, SphereLight, Texture
-from vtkmcvr.plan_lights import pack_lights
+from vtkmcvr.planning.lights import pack_lights
 
 f32 = np.float32
 SEED = np.int64(11)

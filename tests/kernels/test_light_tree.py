@@ -32,7 +32,7 @@ from vtkmcvr.lights import (
     RectangleLight,
     SphereLight,
 )
-from vtkmcvr.plan_lights import pack_lights
+from vtkmcvr.planning.lights import pack_lights
 
 f32 = np.float32
 SEED = np.int64(3)

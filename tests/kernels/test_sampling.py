@@ -21,8 +21,8 @@ from vtkmcvr.kernels.rng import exponential, start, uniform
 from vtkmcvr.kernels.warp import concentric_disk, cosine_hemisphere, uniform_sphere
 from vtkmcvr.lights import EnvironmentMap
 from vtkmcvr.phases import Cone, Rayleigh, Schlick
-from vtkmcvr.plan_lights import pack_lights
-from vtkmcvr.plan_phase import pack_phase
+from vtkmcvr.planning.lights import pack_lights
+from vtkmcvr.planning.phase import pack_phase
 
 f32 = np.float32
 SEED = np.int64(11)

@@ -12,7 +12,7 @@ from vtkmcvr.cli import main
 from vtkmcvr.filters import DirectionalOcclusionFilter, MonteCarloFilter, ToneMapFilter
 from vtkmcvr.lights import GradientEnvironment, headlight
 from vtkmcvr.occlusion.ambient import ambient_radiance
-from vtkmcvr.vtk_scene import array_of_image
+from vtkmcvr.vtk_bridge.scene import array_of_image
 
 SMALL = {"preset": "solid", "size": (24, 18)}
 

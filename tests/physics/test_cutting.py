@@ -14,7 +14,7 @@ from scenes import scene as any_scene
 
 from vtkmcvr.curves import Curve
 from vtkmcvr.cutting import ALL_REGIONS, CROSS, FENCE, Box, Cropping, Plane, Sphere
-from vtkmcvr.film_error import variance
+from vtkmcvr.film.error import variance
 from vtkmcvr.labels import Labels
 from vtkmcvr.layers import Layer
 from vtkmcvr.lights import ConstantEnvironment, DirectionalLight

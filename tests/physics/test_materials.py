@@ -12,8 +12,9 @@ import numpy as np
 import pytest
 from scenes import WHITE, blob, frontal, medium, noise, render, scene, volume, z_score
 
-from vtkmcvr import film_error, packed
+from vtkmcvr import packed
 from vtkmcvr.curves import ColourCurve, Curve
+from vtkmcvr.film import error as film_error
 from vtkmcvr.lights import ConstantEnvironment, DirectionalLight
 from vtkmcvr.plan import plan
 from vtkmcvr.scene import HenyeyGreenstein, Schlick, Surface, TransferFunction, Volume

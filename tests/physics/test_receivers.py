@@ -24,7 +24,7 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkFiltersSources import vtkSphereSource
 
 from vtkmcvr.cutting import Plane
-from vtkmcvr.film_error import variance
+from vtkmcvr.film.error import variance
 from vtkmcvr.lights import ConstantEnvironment, DirectionalLight, RectangleLight
 from vtkmcvr.receivers import BoxReceiver, MeshReceiver, PlaneReceiver, SphereReceiver
 from vtkmcvr.scene import Camera

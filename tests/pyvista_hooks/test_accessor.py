@@ -7,7 +7,7 @@ from plotters import SIZE, blob
 from vtkmodules.vtkCommonDataModel import vtkPlane
 
 import vtkmcvr
-from vtkmcvr.display import srgb_encode
+from vtkmcvr.pictures.display import srgb_encode
 
 OPTIONS = {"window_size": SIZE, "samples": 4, "lighting": "three lights"}
 

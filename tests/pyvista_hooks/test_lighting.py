@@ -5,7 +5,7 @@ import pytest
 import pyvista as pv
 from plotters import add, look, pixels, plotter
 
-from vtkmcvr.vtk_environment import FACES, Environment, panorama_of
+from vtkmcvr.vtk_bridge.environment import FACES, Environment, panorama_of
 
 DIRECTIONS = {
     # Place in the texture, from the lower left corner: where VTK has it in the world

@@ -7,7 +7,7 @@ import pytest
 import pyvista as pv
 from plotters import SIZE, add, fog, look, pixels, plotter
 
-from vtkmcvr import film_error
+from vtkmcvr.film import error as film_error
 from vtkmcvr.live import view
 from vtkmcvr.live.depths import CENTRE
 from vtkmcvr.receivers import SphereReceiver

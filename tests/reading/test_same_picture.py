@@ -11,7 +11,7 @@ from made_volumes import real
 
 import vtkmcvr
 from vtkmcvr.readers import read_vtk
-from vtkmcvr.vtk_scene import volume_of
+from vtkmcvr.vtk_bridge.scene import volume_of
 
 SIZE, SAMPLES = (40, 32), 64
 SAME_FIELD = [

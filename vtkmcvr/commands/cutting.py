@@ -53,7 +53,7 @@ def cutting_options(data: Any, options: dict[str, Any], args: argparse.Namespace
         return options
     from ..front import scene_of
     from ..scene import Volume
-    from ..vtk_scene import volume_of
+    from ..vtk_bridge.scene import volume_of
     from .labelling import labelled
 
     volume = data if isinstance(data, Volume) else volume_of(data)
@@ -128,7 +128,7 @@ def _grid(path: str, volume: Volume) -> NDArray:
     """Values of a file that has the volume's grid, place included."""
     import numpy as np
 
-    from ..vtk_scene import volume_of
+    from ..vtk_bridge.scene import volume_of
     from .inputs import read_input
 
     other = volume_of(read_input(path, None))

@@ -40,7 +40,7 @@ def labelled(
     from ..readers import read_labels
     from ..scene import Volume
     from ..volume_info import segments
-    from ..vtk_scene import volume_of
+    from ..vtk_bridge.scene import volume_of
 
     parts = {part: _names(text) for part, text in chosen.items() if text}
     if path is None:

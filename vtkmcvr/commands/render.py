@@ -17,8 +17,8 @@ from .transport_options import displayed
 
 if TYPE_CHECKING:
     from ..effects import EffectCost
-    from ..noiseless_picture import NoiselessPicture
-    from ..picture import Picture
+    from ..pictures.noiseless import NoiselessPicture
+    from ..pictures.picture import Picture
     from ..scene import Scene
 
 DEMO_PICTURE = "vtkmcvr-demo.png"
@@ -63,7 +63,7 @@ def _demo_head(args: argparse.Namespace) -> Any:
 
 
 def _render(args: argparse.Namespace) -> int:
-    from ..picture import check_suffix
+    from ..pictures.picture import check_suffix
 
     if args.dry_run:
         return _predict(read_as_asked(args.input, args), args)
@@ -79,7 +79,7 @@ def _render(args: argparse.Namespace) -> int:
 
 def make_picture(data: Any, args: argparse.Namespace, *, explain: bool = False) -> int:
     """Render, save, report; returns the exit status."""
-    from ..picture import check_suffix
+    from ..pictures.picture import check_suffix
     from ..report import check_report, write_report
 
     check_suffix(args.output)
@@ -169,7 +169,7 @@ def _memory() -> str:
 
 
 def _cost(picture: Picture | NoiselessPicture) -> str:
-    from ..noiseless_picture import NoiselessPicture
+    from ..pictures.noiseless import NoiselessPicture
 
     if isinstance(picture, NoiselessPicture):
         return str(picture)

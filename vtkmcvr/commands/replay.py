@@ -35,9 +35,9 @@ def add_replay(commands: Any) -> None:
 
 
 def _replay(args: argparse.Namespace) -> int:
-    from ..picture import check_suffix
-    from ..recipe_files import read_recipe
-    from ..replaying import replay
+    from ..pictures.picture import check_suffix
+    from ..recipes.files import read_recipe
+    from ..recipes.replaying import replay
 
     check_suffix(args.output)
     say = say_to(args)
@@ -66,7 +66,7 @@ def _data(args: argparse.Namespace) -> list[Any]:
 
 def _labels(paths: list[str], volumes: list[Any]) -> list[Any]:
     from ..readers import read_labels
-    from ..vtk_scene import volume_of
+    from ..vtk_bridge.scene import volume_of
     from .labelling import grid_image
 
     if paths and not volumes:

@@ -24,7 +24,7 @@ def flipped(data: Any, axes: str | None) -> Any:
     if axes is None:
         return data
     from ..scene import Volume
-    from ..vtk_scene import volume_of
+    from ..vtk_bridge.scene import volume_of
 
     return (data if isinstance(data, Volume) else volume_of(data)).flipped(axes)
 

@@ -24,7 +24,7 @@ USUAL_SECONDS = 0.1
 
 def make_sequence(args: argparse.Namespace) -> int:
     """Render every volume as the first one: look, range of values, camera and lights."""
-    from ..picture import check_suffix
+    from ..pictures.picture import check_suffix
     from ..readers import time_steps
 
     output = Path(args.output)

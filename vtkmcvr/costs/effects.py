@@ -11,8 +11,8 @@ import numpy as np
 
 from .. import checks
 from ..effects import EffectCost
-from ..film_error import variance
-from ..picture import Picture
+from ..film.error import variance
+from ..pictures.picture import Picture
 from ..plan import plan
 from ..rendering import render_scene
 from ..scene import Scene

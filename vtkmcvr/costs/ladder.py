@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..accuracy import image_error
-from ..picture import Picture
+from ..pictures.picture import Picture
 from ..plan import Plan
 from ..rendering import render_scene
 from ..schedule import default_threads

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 from .. import __version__, checks, schedule
 from ..plan import Plan, plan
+from ..recipes.serialise import to_plain
 from ..safe_files import replacing
 from ..scene import Scene
-from ..serialise import to_plain
 from . import summary
 from .families import families
 from .ladder import Point, Reference, climb, make_reference, plain

@@ -9,7 +9,6 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from .. import denoise
 from ..lights import (
     ConstantEnvironment,
     DirectionalLight,
@@ -20,7 +19,8 @@ from ..lights import (
 from ..occlusion import Occlusion
 from ..occlusion.settings import MODES
 from ..phases import Isotropic
-from ..picture import Picture
+from ..pictures import denoise
+from ..pictures.picture import Picture
 from ..scene import Scene
 
 # Lights that no scattered ray can meet

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from ..noiseless_picture import NoiselessPicture
+from ..pictures.noiseless import NoiselessPicture
 from .settings import EmissionAbsorption
 
 

@@ -7,8 +7,8 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from ..deserialise import from_plain
 from ..occlusion.recipe import replay_part as noted
+from ..recipes.deserialise import from_plain
 from ..scene import Scene
 from ..schedule import Progress
 from ..screen import Display

@@ -19,7 +19,7 @@ from ..openings import Openings, openings_of
 from ..pack import f32, f64, matrix, matrix64, vector64
 from ..phases import Isotropic
 from ..plan import Plan, plan
-from ..plan_volume import PackedVolume
+from ..planning.volume import PackedVolume
 from ..scene import Scene
 from ..schedule import Progress, compiling, default_threads
 from ..screen import Display

@@ -10,7 +10,7 @@ from ..material import Phong, Surface
 from ..scene import Scene
 from .settings import EmissionAbsorption
 
-# Blinn's exponent of the coat over Phong's, see `vtkmcvr.vtk_property.surface_of`
+# Blinn's exponent of the coat over Phong's, see `vtkmcvr.vtk_bridge.property.surface_of`
 BLINN_OVER_PHONG = 4.0
 
 

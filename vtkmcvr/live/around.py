@@ -6,8 +6,8 @@ from typing import Any, NamedTuple, cast
 
 from vtkmodules.vtkRenderingCore import vtkActor, vtkProp, vtkRenderer
 
-from ..vtk_matrix import matrix_of
-from ..vtk_props import identity, is_mesh, is_plain_surface, opaque_props, translucent_props
+from ..vtk_bridge.matrix import matrix_of
+from ..vtk_bridge.props import identity, is_mesh, is_plain_surface, opaque_props, translucent_props
 
 
 class Around(NamedTuple):

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from .. import schedule
 from ..accuracy import image_error
 from ..noiseless import render_noiseless
-from ..noiseless_picture import NoiselessPicture
 from ..pack import structure
-from ..picture import Display, Picture
+from ..pictures.noiseless import NoiselessPicture
+from ..pictures.picture import Display, Picture
 from ..plan import Plan
 from ..rendering import empty_film
 from ..scene import Scene

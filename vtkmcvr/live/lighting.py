@@ -10,8 +10,8 @@ from ..camera import Camera
 from ..lights import Light
 from ..scene import Volume
 from ..studio import Studio, studio_lights
-from ..vtk_environment import Environment, environment_key
-from ..vtk_scene import default_headlight, lights_of
+from ..vtk_bridge.environment import Environment, environment_key
+from ..vtk_bridge.scene import default_headlight, lights_of
 
 
 def lights_key(renderer: vtkRenderer) -> tuple[Any, ...]:

@@ -10,13 +10,13 @@ from vtkmodules.vtkRenderingCore import vtkVolume
 
 from ..layers import Layer
 from ..scene import Volume
-from ..vtk_colours import in_linear_light, linear_labels
-from ..vtk_cutting import clip_of, cropping_of
-from ..vtk_labels import LabelTimes, MaskCache, mask_of
-from ..vtk_props import identity
-from ..vtk_scene import Look, VolumeCache, looks_of, matrix_of, refuse_mapper_features
-from ..vtk_volume import check_image
-from ..vtk_volume import scalars_of as array_name_of
+from ..vtk_bridge.colours import in_linear_light, linear_labels
+from ..vtk_bridge.cutting import clip_of, cropping_of
+from ..vtk_bridge.labels import LabelTimes, MaskCache, mask_of
+from ..vtk_bridge.props import identity
+from ..vtk_bridge.scene import Look, VolumeCache, looks_of, matrix_of, refuse_mapper_features
+from ..vtk_bridge.volume import check_image
+from ..vtk_bridge.volume import scalars_of as array_name_of
 
 
 class VolumeLooks:

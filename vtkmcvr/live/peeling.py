@@ -17,7 +17,7 @@ from vtkmodules.vtkFiltersGeometry import vtkDataSetSurfaceFilter
 from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper, vtkRenderer
 from vtkmodules.vtkRenderingOpenGL2 import vtkTextureObject
 
-from ..vtk_props import identity
+from ..vtk_bridge.props import identity
 from .around import actor_key
 from .film_place import Place
 

@@ -10,15 +10,15 @@ from vtkmodules.vtkRenderingCore import vtkActor, vtkRenderer, vtkVolume
 
 from ..backdrop import Backdrop
 from ..camera import PixelFilter
-from ..display import srgb_decode
 from ..layers import Layer
 from ..phases import Phase
+from ..pictures.display import srgb_decode
 from ..receivers import MeshReceiver
 from ..scene import Scene
-from ..vtk_mesh import mesh_of
-from ..vtk_property import one_phase_of
-from ..vtk_props import identity
-from ..vtk_scene import camera_of, matrix_of
+from ..vtk_bridge.mesh import mesh_of
+from ..vtk_bridge.property import one_phase_of
+from ..vtk_bridge.props import identity
+from ..vtk_bridge.scene import camera_of, matrix_of
 from .around import Around, actor_key
 from .film_place import Place
 from .lighting import Environment, lights_key, scene_lights

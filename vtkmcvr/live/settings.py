@@ -8,12 +8,12 @@ from typing import Any
 
 from .. import checks
 from ..camera import Lens
-from ..display import EXPOSURE, SHADED_EXPOSURE
 from ..emission_absorption import EmissionAbsorption
 from ..lights import Light
 from ..noiseless import TECHNIQUES as NOISELESS
 from ..noiseless import check_settings
 from ..occlusion import Occlusion
+from ..pictures.display import EXPOSURE, SHADED_EXPOSURE
 from ..scene import Scene
 
 TECHNIQUES = ("monte-carlo", *NOISELESS)

@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import packed
-from ..display import to_rgba8
 from ..film import alpha
-from ..noiseless_picture import NoiselessPicture
+from ..pictures.display import to_rgba8
+from ..pictures.noiseless import NoiselessPicture
 
 # Samples from which on edges take their colours from the film instead of from the window
 SETTLED = 4

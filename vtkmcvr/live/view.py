@@ -12,7 +12,7 @@ from vtkmodules.vtkRenderingCore import vtkProp, vtkRenderer
 from ..backdrop import Backdrop
 from ..plan import Plan, plan
 from ..scene import Scene
-from ..vtk_props import volumes_of
+from ..vtk_bridge.props import volumes_of
 from .around import Around, around
 from .corner import CornerText
 from .depths import CENTRE, SPREAD, DepthPass, edges_of, together

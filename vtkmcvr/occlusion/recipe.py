@@ -10,13 +10,13 @@ from typing import Any
 from numpy.typing import NDArray
 
 from .. import __version__
-from ..content_hash import content
-from ..deserialise import from_plain
-from ..recipe import FORMAT
+from ..recipes.content_hash import content
+from ..recipes.deserialise import from_plain
+from ..recipes.recipe import FORMAT
+from ..recipes.serialise import NotSerialisable, to_plain
 from ..scene import Scene
 from ..schedule import Progress
 from ..screen import Display
-from ..serialise import NotSerialisable, to_plain
 from .picture import OcclusionPicture
 from .rendering import render_occlusion
 from .settings import Occlusion

@@ -7,9 +7,9 @@ import os
 from pathlib import Path
 from typing import Any
 
-from ..deserialise import from_plain
+from ..recipes.deserialise import from_plain
+from ..recipes.serialise import to_plain
 from ..safe_files import replacing
-from ..serialise import to_plain
 from .look import Look
 
 FORMAT = "vtkmcvr look 1"

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..content_hash import content_hash
-from ..deserialise import from_plain
+from ..recipes.content_hash import content_hash
+from ..recipes.deserialise import from_plain
 from ..segmentation import Segmentation, solid_arrays, without
 from ..volume import Volume
 from .body import DENSER_THAN, body_mask

@@ -2,8 +2,8 @@
 
 Slicer shows its colours as they are, that is as sRGB; here they are albedo in linear light. Its
 opacities are per mm. Where shading is on, half of the scattering is surfaces, with VTK's highlight
-turned into a coat as in `vtkmcvr.vtk_property.surface_of`. Ambient and diffuse coefficients have no
-meaning for light that is simulated.
+turned into a coat as in `vtkmcvr.vtk_bridge.property.surface_of`. Ambient and diffuse coefficients
+have no meaning for light that is simulated.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ from collections.abc import Mapping
 from typing import Any
 from xml.etree import ElementTree
 
-from ..display import srgb_decode
 from ..material import Surface
+from ..pictures.display import srgb_decode
 from .look import Look, Nodes
 
 # Lines of a .vp file, in this order

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 import pyvista as pv
 
 if TYPE_CHECKING:
-    from ..noiseless_picture import NoiselessPicture
-    from ..picture import Picture
+    from ..pictures.noiseless import NoiselessPicture
+    from ..pictures.picture import Picture
 
 WINDOW_SIZE = (800, 600)
 

@@ -12,8 +12,8 @@ import pyvista as pv
 
 if TYPE_CHECKING:
     from ..live import LiveSettings, LiveWindow
-    from ..noiseless_picture import NoiselessPicture
-    from ..picture import Picture
+    from ..pictures.noiseless import NoiselessPicture
+    from ..pictures.picture import Picture
     from .driver import Driver
     from .tools import FocusPicking
 

@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING
 
 import pyvista as pv
 
-from ..vtk_image import image_of_arrays
+from ..vtk_bridge.image import image_of_arrays
 
 if TYPE_CHECKING:
-    from ..noiseless_picture import NoiselessPicture
-    from ..picture import Picture
+    from ..pictures.noiseless import NoiselessPicture
+    from ..pictures.picture import Picture
 
 
 def to_pyvista(picture: Picture | NoiselessPicture) -> pv.ImageData:

@@ -17,12 +17,12 @@ from ..lights import Light
 from ..live import LiveSettings
 from ..live.reading import SceneReader
 from ..noiseless import render_noiseless
-from ..noiseless_picture import NoiselessPicture
-from ..picture import Display, Picture
+from ..pictures.noiseless import NoiselessPicture
+from ..pictures.picture import Display, Picture
 from ..rendering import render_scene
 from ..scene import Scene
-from ..vtk_lights import light_of
-from ..vtk_props import volumes_of
+from ..vtk_bridge.lights import light_of
+from ..vtk_bridge.props import volumes_of
 
 KITS = ("light kit", "three lights", "none")
 STOPS = ("samples", "nrms", "seconds")

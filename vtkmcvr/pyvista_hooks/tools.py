@@ -15,7 +15,7 @@ from vtkmodules.vtkChartsCore import vtkPiecewiseControlPointsItem
 from vtkmodules.vtkCommonDataModel import vtkPiecewiseFunction
 
 from ..live.job import Job
-from ..vtk_props import volumes_of
+from ..vtk_bridge.props import volumes_of
 
 # Handle of a lamp, over the size of the volumes
 HANDLE = 0.04

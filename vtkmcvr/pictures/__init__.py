@@ -1,0 +1,1 @@
+"""Pictures: what a render gives, how it is shown, denoised and written."""

@@ -1,0 +1,1 @@
+"""Recipes: a picture says how it was made, and can be made again."""
