@@ -36,8 +36,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vtkmcvr.phantom import anatomy as anatomy
-from vtkmcvr.phantom import skeleton as skeleton
+from vtkmcvr.phantom import anatomy, skeleton
 from vtkmcvr.phantom.shapes import Field, Grid, Shape, cover, sculpt
 
 EXTENT = (200.0, 230.0, 240.0)
