@@ -36,10 +36,10 @@ class Swept(NamedTuple):
 def sweep(
     backend: str,
     parts: Parts,
-    openings: packed.Openings | None,
     threads: int,
     progress: Callable[[float], object] | None = None,
     abort: Callable[[], bool] | None = None,
+    openings: packed.Openings | None = None,
 ) -> Swept:
     """Sweep all layers; where "auto" takes CUDA and that fails, the CPU does it anew.
 
@@ -55,7 +55,7 @@ def sweep(
     return backends.attempt(
         backend,
         lambda: _on_cuda(parts, progress, abort),
-        lambda note: _on_cpu(parts, openings, threads, progress, abort, note),
+        lambda note: _on_cpu(parts, threads, progress, abort, note, openings),
     )
 
 
@@ -78,11 +78,11 @@ def _on_cuda(
 
 def _on_cpu(
     parts: Parts,
-    openings: packed.Openings | None,
     threads: int,
     progress: Callable[[float], object] | None,
     abort: Callable[[], bool] | None,
     note: str,
+    openings: packed.Openings | None = None,
 ) -> Swept:
     swept = Sweep(*parts, openings)
     ended = swept.run(threads, progress, abort)

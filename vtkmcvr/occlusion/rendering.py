@@ -101,7 +101,7 @@ def render_occlusion(
             progress(Progress(fraction, 1, perf_counter() - begin))
 
     hidden = None if openings is None else openings.packed
-    done = sweep(backend, parts, hidden, threads, report, abort)
+    done = sweep(backend, parts, threads, report, abort, hidden)
     film = done.film
     radiance = ambient_radiance(scene) if occlusion.radiance is None else occlusion.radiance
     film.radiance[:] *= np.asarray(radiance, f32)
