@@ -10,7 +10,7 @@ from test_film import filled
 
 from vtkmcvr import packed
 from vtkmcvr.accuracy import image_error, samples_for
-from vtkmcvr.film import new_film
+from vtkmcvr.film.moments import new_film
 from vtkmcvr.lights import ConstantEnvironment, EnvironmentMap
 from vtkmcvr.scene import Camera
 
@@ -195,7 +195,7 @@ def test_intervals_of_pixels_cover_the_truth(sampler, samples):
 def test_pooled_errors_are_those_of_the_film_where_all_pixels_are_alike():
     rng = np.random.default_rng(5)
     film = synthetic(rng, np.ones((30, 30, 3)), np.full((30, 30, 3), 2.0), 9)
-    from vtkmcvr.film import standard_error
+    from vtkmcvr.film.moments import standard_error
 
     # A fifth from 8 degrees of freedom, the rest from those of 54 pixels: 5.8 % each
     np.testing.assert_allclose(standard_error(film), 2 / 3, rtol=0.5)

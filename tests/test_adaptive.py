@@ -11,8 +11,8 @@ from scipy.stats import chi2
 
 from vtkmcvr import adaptive, packed, schedule
 from vtkmcvr.cli import main
-from vtkmcvr.film import new_film
 from vtkmcvr.film.merge import merge
+from vtkmcvr.film.moments import new_film
 from vtkmcvr.front import render as front_render
 from vtkmcvr.lights import ConstantEnvironment, EnvironmentMap
 from vtkmcvr.recipes.recipe import recipe_of

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scenes import blob, frontal, medium, noise, render, scene, slab, volume
 
-from vtkmcvr.film import new_film
+from vtkmcvr.film.moments import new_film
 from vtkmcvr.lights import ConstantEnvironment
 from vtkmcvr.plan import plan
 from vtkmcvr.scene import Surface, Volume

@@ -8,9 +8,10 @@ from scenes import blob, frontal, medium, render, scene, slab
 
 from vtkmcvr.backdrop import Backdrop, Veils
 from vtkmcvr.emission_absorption import EmissionAbsorption
+from vtkmcvr.gpu.errors import CudaError
 from vtkmcvr.lights import ConstantEnvironment
 from vtkmcvr.noiseless import render_noiseless
-from vtkmcvr.occlusion import Occlusion
+from vtkmcvr.occlusion import Occlusion, render_occlusion
 from vtkmcvr.openings import openings_of
 from vtkmcvr.plan import plan
 from vtkmcvr.scene import Surface
@@ -212,6 +213,17 @@ def test_without_noise_veils_and_an_opaque_end_are_exact(name):
     np.testing.assert_allclose(alpha, cover, atol=2e-3)
     shown = (a[0], left[0] * a[1] * T[0], 0.0, 1 - cover)
     np.testing.assert_allclose(behind, np.broadcast_to(shown, behind.shape), atol=2e-3)
+
+
+def test_occlusion_before_a_backdrop_is_the_cpus():
+    one = scene(
+        slab(), medium(1.5), frontal(0.3), size=SIZE,
+        backdrop=veiled((4.0, 4.9), [(255, 0, 0, 102), (0, 255, 0, 51)], 5.2),
+    )  # fmt: skip
+    settings = NOISELESS["fast occlusion"][1]
+    assert render_occlusion(one, settings, threads=1).backend == "cpu"
+    with pytest.raises(CudaError, match="backdrop of another renderer is not on CUDA"):
+        render_occlusion(one, settings, threads=1, backend="cuda")
 
 
 @pytest.mark.parametrize("name", NOISELESS)

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from . import checks
-from .film import new_film
+from .film.moments import new_film
 from .kernels.cpu import render_tile
 from .plan import plan
 from .scene import Isotropic, PixelFilter, Scene

@@ -9,7 +9,7 @@ from typing import Any
 
 from . import backends, checks, packed, schedule
 from .adaptive import PILOT_SAMPLES, PILOT_SHARE, Density, density_of, pilot_seed
-from .film import copy_film, new_film
+from .film.moments import copy_film, new_film
 from .pictures.picture import Display, Picture
 from .plan import Plan, plan
 from .scene import Scene

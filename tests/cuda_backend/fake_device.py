@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from vtkmcvr.film import copy_film
+from vtkmcvr.film.moments import copy_film
 from vtkmcvr.gpu.errors import OutOfDeviceMemory
 from vtkmcvr.kernels.cpu import render_tile
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from vtkmcvr import schedule
-from vtkmcvr.film import copy_film
+from vtkmcvr.film.moments import copy_film
 from vtkmcvr.plan import plan
 from vtkmcvr.rendering import empty_film
 

@@ -9,7 +9,7 @@ import pytest
 from fake_device import FakeDevice
 
 from vtkmcvr import backends
-from vtkmcvr.film import copy_film
+from vtkmcvr.film.moments import copy_film
 from vtkmcvr.gpu import available, device
 from vtkmcvr.occlusion import carry_out
 

@@ -6,7 +6,7 @@ from fake_device import FakeDevice
 from scenes import blob, everything
 
 from vtkmcvr import schedule
-from vtkmcvr.film import copy_film
+from vtkmcvr.film.moments import copy_film
 from vtkmcvr.gpu import launches
 from vtkmcvr.gpu.errors import CudaError
 from vtkmcvr.plan import plan

@@ -9,8 +9,8 @@ from scenes import blob, noise, render, scene
 from techniques import SKY
 
 from vtkmcvr import packed, schedule
-from vtkmcvr.film import new_film
 from vtkmcvr.film.merge import merge
+from vtkmcvr.film.moments import new_film
 from vtkmcvr.kernels.jit import entry_point
 from vtkmcvr.kernels.sample import accumulate
 
@@ -119,7 +119,7 @@ def test_films_are_merged_in_any_order(record):
 
 def test_merged_films_have_the_error_of_a_longer_run():
     lit = scene(noise(), lights=SKY)
-    from vtkmcvr.film import nrms
+    from vtkmcvr.film.moments import nrms
 
     whole = merge(*(render(lit, 64, seed).film for seed in range(4)))
     assert nrms(whole) == pytest.approx(render(lit, 256, 9).nrms, rel=0.1)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import packed
-from . import copy_film
+from .moments import copy_film
 
 Plane = NDArray[np.float64]
 

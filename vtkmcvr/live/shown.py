@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import packed
-from ..film import alpha
+from ..film.moments import alpha
 from ..pictures.display import to_rgba8
 from ..pictures.noiseless import NoiselessPicture
 
