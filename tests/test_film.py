@@ -5,8 +5,9 @@ import pytest
 from compiled import compiled
 from scenes import noise, render, scene
 
-from vtkmcvr import film, packed
+from vtkmcvr import packed
 from vtkmcvr.film import error as film_error
+from vtkmcvr.film import moments as film
 from vtkmcvr.kernels.sample import accumulate
 from vtkmcvr.lights import ConstantEnvironment
 

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import film as films
 from .. import packed
 from ..adaptive import Density, level_of
+from ..film import moments as films
 from ..plan import Plan
 from ..recipes.recipe import recipe_of
 from ..schedule import Progress
