@@ -17,7 +17,8 @@ from vtkmcvr.pictures import denoise
 
 PROGRAM = """
 import pickle, sys
-from vtkmcvr import backends, denoise
+from vtkmcvr import backends
+from vtkmcvr.pictures import denoise
 backends.missing = lambda: None
 source, target = sys.argv[1:]
 pictures = pickle.load(open(source, "rb"))
