@@ -154,4 +154,14 @@ def _error_maps(results: dict[str, Any], path: Path, maps: Path | None) -> list[
         axes.set_title(title, fontsize=7)
     figure.colorbar(shown, ax=list(grid), shrink=0.4, label="RMS error / RMS radiance")
     figure.savefig(path, dpi=80)
+    _to_palette(path)
     return [path]
+
+
+def _to_palette(path: Path) -> None:
+    """Store a picture of one colour map in 256 colours: a third of the bytes."""
+    from PIL import Image
+
+    with Image.open(path) as image:
+        small = image.convert("RGB").quantize(256, dither=Image.Dither.NONE)
+    small.save(path, optimize=True)

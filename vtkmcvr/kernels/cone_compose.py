@@ -114,6 +114,17 @@ def sum_groups(light, weight, start, end):
 
 
 @device
+def all_light_at_most(scattered, a, T):
+    """Light from a layer of optical depth a, not more than with all the light there is.
+
+    Relief may take too much off. Below T a (1 - a / 2), which is less, nothing is to be done.
+    """
+    if scattered <= T * a * (ONE - HALF * a):
+        return scattered
+    return min(scattered, -math.expm1(-a) * T)
+
+
+@device
 def add_film(normals, albedos, i, j, normal, albedo, a, T):
     """What a film keeps of the first collision."""
     if normals is None:
@@ -148,11 +159,9 @@ def compose(
     colour = shaded(shade, albedo, normal, magnitude, toward_eye, sigma_t)
     # Without any direction in the cone there, nothing is known of the light
     scattered = T * a / total if total > ZERO else ZERO
-    # Not more than with all the light there is: relief may take too much off
-    most = -math.expm1(-a) * T
     i, j = row - image[1], column - image[0]
     for c in range(3):
-        film.radiance[i, j, c] += colour[c] * min(scattered * V[c], most)
+        film.radiance[i, j, c] += colour[c] * all_light_at_most(scattered * V[c], a, T)
     add_film(film.normal, film.albedo, i, j, normal, albedo, a, T)
 
 
