@@ -33,7 +33,7 @@ test: $(VENV)/installed-test
 
 # Long statistics, and the comparison with Mitsuba where it is installed
 slow: $(VENV)/installed-test
-	$(RUN) pytest -m slow
+	$(RUN) pytest -n $(WORKERS) --dist loadfile -m slow
 
 # Kernels as plain Python, where a float that overflows or divides by zero is an error; then compiled
 # with bounds checks, which have a cache of their own
