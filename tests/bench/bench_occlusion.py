@@ -124,7 +124,7 @@ def speeds(runs: int) -> list[dict]:
     """512 x 512 pixels, 679 slices, 70 degrees, as in the paper's figure of the engine."""
     rows = []
     cases = [("fast", {"mode": "fast"}), ("default", {})]
-    for name in ("engine", "cthead", "engine, opaque"):
+    for name in ("engine", "cthead", "engine, opaque", "cthead, opaque"):
         scene = scene_of_volume(name, 512)
         for mode, settings in cases:
             picture, seconds = timed(scene, Occlusion(70, slices=679, **settings), runs)
