@@ -42,28 +42,20 @@ def volumes_of(renderer: vtkRenderer) -> list[vtkVolume]:
 
 def opaque_props(renderer: vtkRenderer, apart_from: Any) -> list[vtkProp]:
     """Visible props with opaque geometry, without volumes, overlays and one actor."""
-    return [
-        prop
-        for prop in props_of(renderer)
-        if isinstance(prop, vtkProp3D)
-        and not isinstance(prop, vtkVolume)
-        and prop.GetVisibility()
-        and prop is not apart_from
-        and prop.HasOpaqueGeometry()
-    ]
+    return [prop for prop in _drawn(renderer, apart_from) if prop.HasOpaqueGeometry()]
 
 
 def translucent_props(renderer: vtkRenderer, apart_from: Any) -> list[vtkProp]:
     """Visible props with translucent geometry, without volumes, overlays and one actor."""
-    return [
-        prop
-        for prop in props_of(renderer)
-        if isinstance(prop, vtkProp3D)
-        and not isinstance(prop, vtkVolume)
-        and prop.GetVisibility()
-        and prop is not apart_from
-        and prop.HasTranslucentPolygonalGeometry()
-    ]
+    return [prop for prop in _drawn(renderer, apart_from) if prop.HasTranslucentPolygonalGeometry()]
+
+
+def _drawn(renderer: vtkRenderer, apart_from: Any) -> Iterator[vtkProp]:
+    """Visible props in the world, without volumes and one actor."""
+    for prop in props_of(renderer):
+        if isinstance(prop, vtkProp3D) and not isinstance(prop, vtkVolume) and prop.GetVisibility():
+            if prop is not apart_from:
+                yield prop
 
 
 def is_mesh(prop: vtkProp) -> bool:
