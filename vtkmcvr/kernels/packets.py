@@ -1,0 +1,306 @@
+"""`tracking.walk` of many rays at once: the same estimators, ray by ray, in lanes of SIMD registers.
+
+A ray by itself is one chain of steps, each of which waits for the one before: position, macrocell,
+eight voxels, transfer function, decision. Here a pool of rays goes one step each in turn, either to
+a tentative collision or to the next macrocell, so that the steps of different rays overlap and
+decisions are no branches. A ray that has ended makes room for the next one of the queue. No ray
+depends on which others there are.
+
+Only media whose extinction is that of a table of scalars: no labels, cuts or gradients.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .jit import device
+from .lanes import (
+    WIDTH, gather, highest_bit, load, mask, opposite, over_lanes, select, store, to_float,
+)  # fmt: skip
+from .rng import GOLDEN, Stream, exponential, logarithm, minus_logarithm, unit, uniform
+from .tracking import ESCAPED, VIOLATED, first_cell, first_crossing
+from .labels import label_row
+from .transfer import classify, extinction, of_label, row_start, table_position
+from .grid import trilinear
+from .vec import at
+
+f32, i32, u32 = np.float32, np.int32, np.uint32
+ZERO, ONE = f32(0.0), f32(1.0)
+NONE, FORWARD, BACK = i32(0), i32(1), i32(-1)
+BIT = u32(1)
+
+# Rays under way: a multiple of WIDTH that keeps their state in the level 1 cache
+POOL = 4 * WIDTH
+# Rows of the pool: origin, direction, end; distance, optical depth to go, transmittance; next
+# crossing of a cell face along each axis and distance between crossings; majorant, scalar,
+# extinction
+OX, OY, OZ, DX, DY, DZ, END, T, TAU, LEFT, TX, TY, TZ, BX, BY, BZ, MAJORANT, SCALAR, SIGMA = (
+    POOL * row for row in range(19)
+)
+STATE, FLOATS = 16, 19
+# Rows of whole numbers: cell, whether there is a tentative collision
+CX, CY, CZ, TENTATIVE = (POOL * row for row in range(4))
+
+unit = over_lanes(unit)
+uniform = over_lanes(uniform)
+logarithm = over_lanes(logarithm)
+minus_logarithm = over_lanes(minus_logarithm)
+exponential = over_lanes(exponential)
+table_position = over_lanes(table_position)
+extinction = over_lanes(extinction)
+label_row = over_lanes(label_row)
+row_start = over_lanes(row_start)
+of_label = over_lanes(of_label)
+trilinear = over_lanes(trilinear)
+classify = over_lanes(classify)
+cell_of = over_lanes(first_cell)
+
+
+class Pool(NamedTuple):
+    """State of the rays under way."""
+
+    floats: NDArray[np.float32]  # (FLOATS * POOL,)
+    cells: NDArray[np.int32]  # (4 * POOL,)
+    counters: NDArray[np.uint64]  # (POOL,)
+    rays: NDArray[np.int32]  # (POOL,) place in the queue
+    ended: NDArray[np.uint32]  # (POOL / WIDTH, 2) bits: ended; escaped
+
+
+class Queue(NamedTuple):
+    """Rays to walk, and what they meet."""
+
+    ray: NDArray[np.float32]  # (n, 8) origin, direction, length, optical depth to go
+    counter: NDArray[np.uint64]  # (n,) of random numbers, before and after
+    found: NDArray[np.float32]  # (n, 3) distance, or transmittance; scalar; extinction
+
+
+def new_pool():
+    """Pool without rays."""
+    return Pool(
+        np.zeros(FLOATS * POOL, np.float32), np.zeros(4 * POOL, np.int32),
+        np.zeros(POOL, np.uint64), np.zeros(POOL, np.int32),
+        np.zeros((POOL // WIDTH, 2), np.uint32),
+    )  # fmt: skip
+
+
+def new_queue(n):
+    """Queue with room for n rays."""
+    return Queue(np.zeros((n, 8), np.float32), np.zeros(n, np.uint64), np.zeros((n, 3), np.float32))
+
+
+@device
+def enqueue(queue, k, o, d, length, tau, counter):
+    """Write ray number k: origin and direction in index coordinates, length in world units."""
+    for c in range(3):
+        queue.ray[k, c] = o[c]
+        queue.ray[k, c + 3] = d[c]
+    queue.ray[k, 6] = length
+    queue.ray[k, 7] = tau
+    queue.counter[k] = counter
+
+
+@device
+def set_out(medium, queue, k, pool, lane):
+    """Put ray number k of the queue into a lane of the pool."""
+    f, c, ray = pool.floats, pool.cells, queue.ray
+    nz, ny, nx = medium.majorant.shape
+    size, per_cell = medium.cell_size, medium.cells_per_index
+    for row in range(7):
+        f[row * POOL + lane] = ray[k, row]
+    f[T + lane] = ZERO
+    f[TAU + lane] = ray[k, 7]
+    f[LEFT + lane] = ONE
+    x = first_cell(ray[k, 0], per_cell, nx)
+    y = first_cell(ray[k, 1], per_cell, ny)
+    z = first_cell(ray[k, 2], per_cell, nz)
+    f[TX + lane], f[BX + lane], _ = first_crossing(ray[k, 0], ray[k, 3], x, size)
+    f[TY + lane], f[BY + lane], _ = first_crossing(ray[k, 1], ray[k, 4], y, size)
+    f[TZ + lane], f[BZ + lane], _ = first_crossing(ray[k, 2], ray[k, 5], z, size)
+    c[CX + lane], c[CY + lane], c[CZ + lane] = x, y, z
+    pool.counters[lane] = queue.counter[k]
+    pool.rays[lane] = k
+
+
+@device
+def fetch_majorants(medium, pool, count):
+    """Majorant of each ray's cell."""
+    _, ny, nx = medium.majorant.shape
+    for i in range(0, count, WIDTH):
+        x, y, z = load(pool.cells, CX + i), load(pool.cells, CY + i), load(pool.cells, CZ + i)
+        store(pool.floats, MAJORANT + i, gather(medium.majorant, (z * ny + y) * nx + x))
+
+
+@device
+def step_along(o, d, t, per_cell, n, cell, crossing, between, empty, along):
+    """Cell along an axis after a leap or a step, and its next crossing."""
+    step = select(d < ZERO, BACK, FORWARD)
+    landed = cell_of(o + d * t, per_cell, n)
+    after = select(empty, landed, cell + select(along, step, NONE))
+    return after, crossing + between * to_float((after - cell) * step)
+
+
+@device
+def advance(medium, pool, count):
+    """Move each ray to its tentative collision in its cell, or else to the next cell."""
+    nz, ny, nx = medium.majorant.shape
+    per_cell, f, c = medium.cells_per_index, pool.floats, pool.cells
+    for i in range(0, count, WIDTH):
+        majorant, t, tau, end = load(f, MAJORANT + i), load(f, T + i), load(f, TAU + i), load(f, END + i)
+        tx, ty, tz = load(f, TX + i), load(f, TY + i), load(f, TZ + i)
+        bx, by, bz = load(f, BX + i), load(f, BY + i), load(f, BZ + i)
+        # Where the ray leaves the cell, or the empty cube around it
+        empty = majorant <= -ONE
+        around = select(empty, -majorant, ZERO)
+        leave = min(min(tx + around * bx, ty + around * by), min(tz + around * bz, end))
+        reach = (leave - t) * majorant
+        tentative = opposite(empty) & (tau < reach)
+        goes_on = opposite(tentative)
+        t = select(tentative, t + tau / majorant, leave)
+        store(f, T + i, t)
+        store(f, TAU + i, select(goes_on & opposite(empty), tau - reach, tau))
+        store(c, TENTATIVE + i, select(tentative, FORWARD, NONE))
+        # Next cell
+        across_x = goes_on & (tx <= ty) & (tx <= tz)
+        across_y = goes_on & opposite(across_x) & (ty <= tz)
+        across_z = goes_on & opposite(across_x) & opposite(across_y)
+        x, tx = step_along(
+            load(f, OX + i), load(f, DX + i), t, per_cell, nx, load(c, CX + i), tx, bx, empty,
+            across_x,
+        )  # fmt: skip
+        y, ty = step_along(
+            load(f, OY + i), load(f, DY + i), t, per_cell, ny, load(c, CY + i), ty, by, empty,
+            across_y,
+        )  # fmt: skip
+        z, tz = step_along(
+            load(f, OZ + i), load(f, DZ + i), t, per_cell, nz, load(c, CZ + i), tz, bz, empty,
+            across_z,
+        )  # fmt: skip
+        outside = (x < NONE) | (x >= nx) | (y < NONE) | (y >= ny) | (z < NONE) | (z >= nz)
+        store(f, TX + i, tx)
+        store(f, TY + i, ty)
+        store(f, TZ + i, tz)
+        store(c, CX + i, x)
+        store(c, CY + i, y)
+        store(c, CZ + i, z)
+        pool.ended[i // WIDTH, 1] = mask(goes_on & ((t >= end) | outside))
+
+
+@device
+def look_up(medium, transfer, pool, count):
+    """Scalar and extinction where each ray is."""
+    f = pool.floats
+    for i in range(0, count, WIDTH):
+        o = (load(f, OX + i), load(f, OY + i), load(f, OZ + i))
+        d = (load(f, DX + i), load(f, DY + i), load(f, DZ + i))
+        scalar, sigma_t = classify(
+            transfer.gradient_opacity, transfer.table_2d, medium, transfer,
+            at(o, d, load(f, T + i)),
+        )  # fmt: skip
+        store(f, SCALAR + i, scalar)
+        store(f, SIGMA + i, sigma_t)
+
+
+@device
+def collide_or_not(ratio, pool, count):
+    """Decide about tentative collisions; draw how far it is to the next one."""
+    f = pool.floats
+    for i in range(0, count, WIDTH):
+        tentative = load(pool.cells, TENTATIVE + i) > NONE
+        majorant, sigma_t, counter = load(f, MAJORANT + i), load(f, SIGMA + i), load(pool.counters, i)
+        tau = load(f, TAU + i)
+        if ratio is None:
+            rng, u = uniform(Stream(counter, None))
+            ended = tentative & (u * majorant < sigma_t)
+            decided = rng.counter
+            rng, fresh = exponential(rng)
+            after = select(ended, decided, rng.counter)
+            sigma_t = select(sigma_t > majorant, -VIOLATED, sigma_t)
+            store(f, SIGMA + i, sigma_t)
+        else:
+            left = load(f, LEFT + i)
+            left = select(tentative, left * (ONE - sigma_t / majorant), left)
+            low = tentative & (left < ratio.roulette)
+            violated = low & (sigma_t > majorant)
+            rng, u = uniform(Stream(counter, None))
+            died = low & (u * ratio.roulette >= left)
+            ended = died | violated
+            left = select(low, ratio.roulette, left)
+            left = select(violated, VIOLATED, select(died, ZERO, left))
+            store(f, LEFT + i, left)
+            # Without roulette, its number is the next one's
+            rng, fresh = exponential(Stream(select(low, rng.counter, counter), None))
+            after = select(ended, counter + GOLDEN, rng.counter)
+        store(f, TAU + i, select(tentative, fresh, tau))
+        store(pool.counters, i, select(tentative, after, counter))
+        pool.ended[i // WIDTH, 0] = mask(ended) | pool.ended[i // WIDTH, 1]
+
+
+@device
+def write_found(ratio, queue, pool, lane, escaped):
+    """Write what the ray of a lane has met."""
+    k, f = pool.rays[lane], pool.floats
+    queue.counter[k] = pool.counters[lane]
+    if ratio is None:
+        queue.found[k, 0] = ESCAPED if escaped else f[T + lane]
+        queue.found[k, 1] = f[SCALAR + lane]
+        queue.found[k, 2] = f[SIGMA + lane]
+    else:
+        queue.found[k, 0] = f[LEFT + lane]
+
+
+@device
+def move_lane(pool, here, there):
+    """Move a ray from lane `there` to lane `here`."""
+    for row in range(STATE):
+        pool.floats[row * POOL + here] = pool.floats[row * POOL + there]
+    for row in range(3):
+        pool.cells[row * POOL + here] = pool.cells[row * POOL + there]
+    pool.counters[here] = pool.counters[there]
+    pool.rays[here] = pool.rays[there]
+
+
+@device
+def replace_ended(medium, ratio, queue, n, pool, count, following):
+    """Write what ended rays have met, and put the next ones of the queue in their place.
+
+    From the last lane down: where the queue is empty, the last ray fills the gap. Returns (rays
+    under way, next ray of the queue).
+    """
+    for group in range((count - 1) // WIDTH, -1, -1):
+        ended, escaped = pool.ended[group, 0], pool.ended[group, 1]
+        while ended != u32(0):
+            bit = highest_bit(ended)
+            ended = u32(ended ^ (BIT << u32(bit)))
+            lane = group * WIDTH + bit
+            # A lane without a ray goes on computing; its cell has to be one
+            for row in range(3):
+                pool.cells[row * POOL + lane] = NONE
+            if lane >= count:
+                continue
+            write_found(ratio, queue, pool, lane, (escaped >> u32(bit)) & BIT != u32(0))
+            if following < n:
+                set_out(medium, queue, following, pool, lane)
+                following += 1
+            else:
+                count -= 1
+                move_lane(pool, lane, count)
+    return count, following
+
+
+@device
+def walk_all(medium, transfer, ratio, queue, n, pool):
+    """`tracking.walk` of the first n rays of a queue. `found` holds their t, scalar and sigma_t.
+
+    With `ratio`, it holds their transmittance.
+    """
+    following = min(n, POOL)
+    for k in range(following):
+        set_out(medium, queue, k, pool, k)
+    count = following
+    while count > 0:
+        fetch_majorants(medium, pool, count)
+        advance(medium, pool, count)
+        look_up(medium, transfer, pool, count)
+        collide_or_not(ratio, pool, count)
+        count, following = replace_ended(medium, ratio, queue, n, pool, count, following)
