@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import threading
+
 import numpy as np
 from numba import config
 from numpy.typing import NDArray
 
 from . import packed
 from .kernels.cpu import render_tile as render_one_by_one
-from .kernels.stages import new_room, render_in_step
+from .kernels.stages import Room, new_room, render_in_step
+
+
+_rooms = threading.local()
 
 
 def goes_in_step(scene: packed.Scene) -> bool:
@@ -36,6 +41,13 @@ def render_tile(
     No pixel depends on the tile that it is in.
     """
     if goes_in_step(scene):
-        render_in_step(film, scene, row_0, row_1, column_0, column_1, goal, seed, new_room())
+        render_in_step(film, scene, row_0, row_1, column_0, column_1, goal, seed, _room())
     else:
         render_one_by_one(film, scene, row_0, row_1, column_0, column_1, goal, seed)
+
+
+def _room() -> Room:
+    """Room for the paths of this thread, which it keeps."""
+    if not hasattr(_rooms, "room"):
+        _rooms.room = new_room()
+    return _rooms.room

@@ -6,7 +6,7 @@ from numba.core import cgutils
 from numba.extending import intrinsic
 
 # Bytes of a place
-PLACE = 384
+PLACE = 256
 
 
 def _pointer(context, builder, places, array, i, value):

@@ -32,15 +32,14 @@ BIT = u32(1)
 
 # Rays under way: a multiple of WIDTH that keeps their state in the level 1 cache
 POOL = 4 * WIDTH
-# Rows of the pool: origin, direction, end; distance, optical depth to go, transmittance; next
-# crossing of a cell face along each axis and distance between crossings; majorant, scalar,
-# extinction
-OX, OY, OZ, DX, DY, DZ, END, T, TAU, LEFT, TX, TY, TZ, BX, BY, BZ, MAJORANT, SCALAR, SIGMA = (
-    POOL * row for row in range(19)
-)
+# Rows of a ray's state: origin, direction, end; optical depth to go; next crossing of a cell face
+# along each axis, and distance between crossings; distance, transmittance
+OX, OY, OZ, DX, DY, DZ, END, TAU, TX, TY, TZ, BX, BY, BZ, T, LEFT = range(16)
+# Rows of the pool alone: what has been looked up
+MAJORANT, SCALAR, SIGMA = range(16, 19)
 STATE, FLOATS = 16, 19
 # Rows of whole numbers: cell, whether there is a tentative collision
-CX, CY, CZ, TENTATIVE = (POOL * row for row in range(4))
+CX, CY, CZ, TENTATIVE = range(4)
 
 unit = over_lanes(unit)
 uniform = over_lanes(uniform)
@@ -55,13 +54,14 @@ of_label = over_lanes(of_label)
 trilinear = over_lanes(trilinear)
 classify = over_lanes(classify)
 cell_of = over_lanes(first_cell)
+crossing_of = over_lanes(first_crossing)
 
 
 class Pool(NamedTuple):
     """State of the rays under way."""
 
-    floats: NDArray[np.float32]  # (FLOATS * POOL,)
-    cells: NDArray[np.int32]  # (4 * POOL,)
+    floats: NDArray[np.float32]  # (FLOATS, POOL)
+    cells: NDArray[np.int32]  # (4, POOL)
     counters: NDArray[np.uint64]  # (POOL,)
     rays: NDArray[np.int32]  # (POOL,) place in the queue
     ended: NDArray[np.uint32]  # (POOL / WIDTH, 2) bits: ended; escaped
@@ -70,7 +70,8 @@ class Pool(NamedTuple):
 class Queue(NamedTuple):
     """Rays to walk, and what they meet."""
 
-    ray: NDArray[np.float32]  # (n, 8) origin, direction, length, optical depth to go
+    floats: NDArray[np.float32]  # (STATE, n)
+    cells: NDArray[np.int32]  # (3, n)
     counter: NDArray[np.uint64]  # (n,) of random numbers, before and after
     found: NDArray[np.float32]  # (n, 3) distance, or transmittance; scalar; extinction
 
@@ -78,46 +79,70 @@ class Queue(NamedTuple):
 def new_pool():
     """Pool without rays."""
     return Pool(
-        np.zeros(FLOATS * POOL, np.float32), np.zeros(4 * POOL, np.int32),
+        np.zeros((FLOATS, POOL), np.float32), np.zeros((4, POOL), np.int32),
         np.zeros(POOL, np.uint64), np.zeros(POOL, np.int32),
         np.zeros((POOL // WIDTH, 2), np.uint32),
     )  # fmt: skip
 
 
 def new_queue(n):
-    """Queue with room for n rays."""
-    return Queue(np.zeros((n, 8), np.float32), np.zeros(n, np.uint64), np.zeros((n, 3), np.float32))
+    """Queue with room for n rays, a multiple of `WIDTH`."""
+    return Queue(
+        np.zeros((STATE, n), np.float32), np.zeros((3, n), np.int32), np.zeros(n, np.uint64),
+        np.zeros((n, 3), np.float32),
+    )  # fmt: skip
 
 
 @device
 def enqueue(queue, k, o, d, length, tau, counter):
     """Write ray number k: origin and direction in index coordinates, length in world units."""
-    for c in range(3):
-        queue.ray[k, c] = o[c]
-        queue.ray[k, c + 3] = d[c]
-    queue.ray[k, 6] = length
-    queue.ray[k, 7] = tau
+    f = queue.floats
+    f[OX, k], f[OY, k], f[OZ, k] = o
+    f[DX, k], f[DY, k], f[DZ, k] = d
+    f[END, k] = length
+    f[TAU, k] = tau
     queue.counter[k] = counter
 
 
 @device
-def set_out(medium, queue, k, pool, lane):
-    """Put ray number k of the queue into a lane of the pool."""
-    f, c, ray = pool.floats, pool.cells, queue.ray
+def ray_of(queue, k):
+    """Origin and direction of ray number k."""
+    f = queue.floats
+    return (f[OX, k], f[OY, k], f[OZ, k]), (f[DX, k], f[DY, k], f[DZ, k])
+
+
+@device
+def set_out_along(medium, queue, k, axis, n):
+    """First cell of rays k and following ones along an axis, and where they leave it."""
+    f = queue.floats
+    columns = f.shape[1]
+    o, d = load(f, (OX + axis) * columns + k), load(f, (DX + axis) * columns + k)
+    cell = cell_of(o, medium.cells_per_index, n)
+    crossing, between, _ = crossing_of(o, d, cell, medium.cell_size)
+    store(queue.cells, axis * columns + k, cell)
+    store(f, (TX + axis) * columns + k, crossing)
+    store(f, (BX + axis) * columns + k, between)
+
+
+@device
+def set_out(medium, queue, n):
+    """Put n rays of a queue at their starts."""
     nz, ny, nx = medium.majorant.shape
-    size, per_cell = medium.cell_size, medium.cells_per_index
-    for row in range(7):
-        f[row * POOL + lane] = ray[k, row]
-    f[T + lane] = ZERO
-    f[TAU + lane] = ray[k, 7]
-    f[LEFT + lane] = ONE
-    x = first_cell(ray[k, 0], per_cell, nx)
-    y = first_cell(ray[k, 1], per_cell, ny)
-    z = first_cell(ray[k, 2], per_cell, nz)
-    f[TX + lane], f[BX + lane], _ = first_crossing(ray[k, 0], ray[k, 3], x, size)
-    f[TY + lane], f[BY + lane], _ = first_crossing(ray[k, 1], ray[k, 4], y, size)
-    f[TZ + lane], f[BZ + lane], _ = first_crossing(ray[k, 2], ray[k, 5], z, size)
-    c[CX + lane], c[CY + lane], c[CZ + lane] = x, y, z
+    for k in range(0, n, WIDTH):
+        set_out_along(medium, queue, k, 0, nx)
+        set_out_along(medium, queue, k, 1, ny)
+        set_out_along(medium, queue, k, 2, nz)
+
+
+@device
+def take(queue, k, pool, lane):
+    """Put ray number k of the queue into a lane of the pool."""
+    for row in range(T):
+        pool.floats[row, lane] = queue.floats[row, k]
+    pool.floats[T, lane] = ZERO
+    pool.floats[LEFT, lane] = ONE
+    for row in range(3):
+        pool.cells[row, lane] = queue.cells[row, k]
     pool.counters[lane] = queue.counter[k]
     pool.rays[lane] = k
 
@@ -127,8 +152,8 @@ def fetch_majorants(medium, pool, count):
     """Majorant of each ray's cell."""
     _, ny, nx = medium.majorant.shape
     for i in range(0, count, WIDTH):
-        x, y, z = load(pool.cells, CX + i), load(pool.cells, CY + i), load(pool.cells, CZ + i)
-        store(pool.floats, MAJORANT + i, gather(medium.majorant, (z * ny + y) * nx + x))
+        x, y, z = load(pool.cells, CX * POOL + i), load(pool.cells, CY * POOL + i), load(pool.cells, CZ * POOL + i)
+        store(pool.floats, MAJORANT * POOL + i, gather(medium.majorant, (z * ny + y) * nx + x))
 
 
 @device
@@ -146,9 +171,9 @@ def advance(medium, pool, count):
     nz, ny, nx = medium.majorant.shape
     per_cell, f, c = medium.cells_per_index, pool.floats, pool.cells
     for i in range(0, count, WIDTH):
-        majorant, t, tau, end = load(f, MAJORANT + i), load(f, T + i), load(f, TAU + i), load(f, END + i)
-        tx, ty, tz = load(f, TX + i), load(f, TY + i), load(f, TZ + i)
-        bx, by, bz = load(f, BX + i), load(f, BY + i), load(f, BZ + i)
+        majorant, t, tau, end = load(f, MAJORANT * POOL + i), load(f, T * POOL + i), load(f, TAU * POOL + i), load(f, END * POOL + i)
+        tx, ty, tz = load(f, TX * POOL + i), load(f, TY * POOL + i), load(f, TZ * POOL + i)
+        bx, by, bz = load(f, BX * POOL + i), load(f, BY * POOL + i), load(f, BZ * POOL + i)
         # Where the ray leaves the cell, or the empty cube around it
         empty = majorant <= -ONE
         around = select(empty, -majorant, ZERO)
@@ -157,32 +182,32 @@ def advance(medium, pool, count):
         tentative = opposite(empty) & (tau < reach)
         goes_on = opposite(tentative)
         t = select(tentative, t + tau / majorant, leave)
-        store(f, T + i, t)
-        store(f, TAU + i, select(goes_on & opposite(empty), tau - reach, tau))
-        store(c, TENTATIVE + i, select(tentative, FORWARD, NONE))
+        store(f, T * POOL + i, t)
+        store(f, TAU * POOL + i, select(goes_on & opposite(empty), tau - reach, tau))
+        store(c, TENTATIVE * POOL + i, select(tentative, FORWARD, NONE))
         # Next cell
         across_x = goes_on & (tx <= ty) & (tx <= tz)
         across_y = goes_on & opposite(across_x) & (ty <= tz)
         across_z = goes_on & opposite(across_x) & opposite(across_y)
         x, tx = step_along(
-            load(f, OX + i), load(f, DX + i), t, per_cell, nx, load(c, CX + i), tx, bx, empty,
+            load(f, OX * POOL + i), load(f, DX * POOL + i), t, per_cell, nx, load(c, CX * POOL + i), tx, bx, empty,
             across_x,
         )  # fmt: skip
         y, ty = step_along(
-            load(f, OY + i), load(f, DY + i), t, per_cell, ny, load(c, CY + i), ty, by, empty,
+            load(f, OY * POOL + i), load(f, DY * POOL + i), t, per_cell, ny, load(c, CY * POOL + i), ty, by, empty,
             across_y,
         )  # fmt: skip
         z, tz = step_along(
-            load(f, OZ + i), load(f, DZ + i), t, per_cell, nz, load(c, CZ + i), tz, bz, empty,
+            load(f, OZ * POOL + i), load(f, DZ * POOL + i), t, per_cell, nz, load(c, CZ * POOL + i), tz, bz, empty,
             across_z,
         )  # fmt: skip
         outside = (x < NONE) | (x >= nx) | (y < NONE) | (y >= ny) | (z < NONE) | (z >= nz)
-        store(f, TX + i, tx)
-        store(f, TY + i, ty)
-        store(f, TZ + i, tz)
-        store(c, CX + i, x)
-        store(c, CY + i, y)
-        store(c, CZ + i, z)
+        store(f, TX * POOL + i, tx)
+        store(f, TY * POOL + i, ty)
+        store(f, TZ * POOL + i, tz)
+        store(c, CX * POOL + i, x)
+        store(c, CY * POOL + i, y)
+        store(c, CZ * POOL + i, z)
         pool.ended[i // WIDTH, 1] = mask(goes_on & ((t >= end) | outside))
 
 
@@ -191,14 +216,17 @@ def look_up(medium, transfer, pool, count):
     """Scalar and extinction where each ray is."""
     f = pool.floats
     for i in range(0, count, WIDTH):
-        o = (load(f, OX + i), load(f, OY + i), load(f, OZ + i))
-        d = (load(f, DX + i), load(f, DY + i), load(f, DZ + i))
+        o = (load(f, OX * POOL + i), load(f, OY * POOL + i), load(f, OZ * POOL + i))
+        d = (load(f, DX * POOL + i), load(f, DY * POOL + i), load(f, DZ * POOL + i))
+        p = at(o, d, load(f, T * POOL + i))
+        # What nobody asks for is looked up where it is in the cache
+        wanted = load(pool.cells, TENTATIVE * POOL + i) > NONE
+        p = (select(wanted, p[0], ZERO), select(wanted, p[1], ZERO), select(wanted, p[2], ZERO))
         scalar, sigma_t = classify(
-            transfer.gradient_opacity, transfer.table_2d, medium, transfer,
-            at(o, d, load(f, T + i)),
-        )  # fmt: skip
-        store(f, SCALAR + i, scalar)
-        store(f, SIGMA + i, sigma_t)
+            transfer.gradient_opacity, transfer.table_2d, medium, transfer, p
+        )
+        store(f, SCALAR * POOL + i, scalar)
+        store(f, SIGMA * POOL + i, sigma_t)
 
 
 @device
@@ -206,9 +234,9 @@ def collide_or_not(ratio, pool, count):
     """Decide about tentative collisions; draw how far it is to the next one."""
     f = pool.floats
     for i in range(0, count, WIDTH):
-        tentative = load(pool.cells, TENTATIVE + i) > NONE
-        majorant, sigma_t, counter = load(f, MAJORANT + i), load(f, SIGMA + i), load(pool.counters, i)
-        tau = load(f, TAU + i)
+        tentative = load(pool.cells, TENTATIVE * POOL + i) > NONE
+        majorant, sigma_t, counter = load(f, MAJORANT * POOL + i), load(f, SIGMA * POOL + i), load(pool.counters, i)
+        tau = load(f, TAU * POOL + i)
         if ratio is None:
             rng, u = uniform(Stream(counter, None))
             ended = tentative & (u * majorant < sigma_t)
@@ -216,9 +244,9 @@ def collide_or_not(ratio, pool, count):
             rng, fresh = exponential(rng)
             after = select(ended, decided, rng.counter)
             sigma_t = select(sigma_t > majorant, -VIOLATED, sigma_t)
-            store(f, SIGMA + i, sigma_t)
+            store(f, SIGMA * POOL + i, sigma_t)
         else:
-            left = load(f, LEFT + i)
+            left = load(f, LEFT * POOL + i)
             left = select(tentative, left * (ONE - sigma_t / majorant), left)
             low = tentative & (left < ratio.roulette)
             violated = low & (sigma_t > majorant)
@@ -227,11 +255,11 @@ def collide_or_not(ratio, pool, count):
             ended = died | violated
             left = select(low, ratio.roulette, left)
             left = select(violated, VIOLATED, select(died, ZERO, left))
-            store(f, LEFT + i, left)
+            store(f, LEFT * POOL + i, left)
             # Without roulette, its number is the next one's
             rng, fresh = exponential(Stream(select(low, rng.counter, counter), None))
             after = select(ended, counter + GOLDEN, rng.counter)
-        store(f, TAU + i, select(tentative, fresh, tau))
+        store(f, TAU * POOL + i, select(tentative, fresh, tau))
         store(pool.counters, i, select(tentative, after, counter))
         pool.ended[i // WIDTH, 0] = mask(ended) | pool.ended[i // WIDTH, 1]
 
@@ -242,26 +270,26 @@ def write_found(ratio, queue, pool, lane, escaped):
     k, f = pool.rays[lane], pool.floats
     queue.counter[k] = pool.counters[lane]
     if ratio is None:
-        queue.found[k, 0] = ESCAPED if escaped else f[T + lane]
-        queue.found[k, 1] = f[SCALAR + lane]
-        queue.found[k, 2] = f[SIGMA + lane]
+        queue.found[k, 0] = ESCAPED if escaped else f[T, lane]
+        queue.found[k, 1] = f[SCALAR, lane]
+        queue.found[k, 2] = f[SIGMA, lane]
     else:
-        queue.found[k, 0] = f[LEFT + lane]
+        queue.found[k, 0] = f[LEFT, lane]
 
 
 @device
 def move_lane(pool, here, there):
     """Move a ray from lane `there` to lane `here`."""
     for row in range(STATE):
-        pool.floats[row * POOL + here] = pool.floats[row * POOL + there]
+        pool.floats[row, here] = pool.floats[row, there]
     for row in range(3):
-        pool.cells[row * POOL + here] = pool.cells[row * POOL + there]
+        pool.cells[row, here] = pool.cells[row, there]
     pool.counters[here] = pool.counters[there]
     pool.rays[here] = pool.rays[there]
 
 
 @device
-def replace_ended(medium, ratio, queue, n, pool, count, following):
+def replace_ended(ratio, queue, n, pool, count, following):
     """Write what ended rays have met, and put the next ones of the queue in their place.
 
     From the last lane down: where the queue is empty, the last ray fills the gap. Returns (rays
@@ -275,12 +303,12 @@ def replace_ended(medium, ratio, queue, n, pool, count, following):
             lane = group * WIDTH + bit
             # A lane without a ray goes on computing; its cell has to be one
             for row in range(3):
-                pool.cells[row * POOL + lane] = NONE
+                pool.cells[row, lane] = NONE
             if lane >= count:
                 continue
             write_found(ratio, queue, pool, lane, (escaped >> u32(bit)) & BIT != u32(0))
             if following < n:
-                set_out(medium, queue, following, pool, lane)
+                take(queue, following, pool, lane)
                 following += 1
             else:
                 count -= 1
@@ -294,13 +322,14 @@ def walk_all(medium, transfer, ratio, queue, n, pool):
 
     With `ratio`, it holds their transmittance.
     """
+    set_out(medium, queue, n)
     following = min(n, POOL)
     for k in range(following):
-        set_out(medium, queue, k, pool, k)
+        take(queue, k, pool, k)
     count = following
     while count > 0:
         fetch_majorants(medium, pool, count)
         advance(medium, pool, count)
         look_up(medium, transfer, pool, count)
         collide_or_not(ratio, pool, count)
-        count, following = replace_ended(medium, ratio, queue, n, pool, count, following)
+        count, following = replace_ended(ratio, queue, n, pool, count, following)

@@ -15,7 +15,7 @@ from .event import NOWHERE, event_at, nearest_approach, receiver_ahead, way_thro
 from .jit import device, glue, kernel
 from .kept import PLACE, keep, kept
 from .lights import light_seen
-from .packets import Pool, Queue, enqueue, new_pool, new_queue, walk_all
+from .packets import Pool, Queue, enqueue, new_pool, new_queue, ray_of, walk_all
 from .path import in_index, missed
 from .rng import Stream, stratified_exponential
 from .sample import add_sample, camera_ray
@@ -26,7 +26,7 @@ from .visibility import blocked, shaded_interval
 f32, f64, i32 = np.float32, np.float64, np.int32
 ZERO, ONE = f32(0.0), f32(1.0)
 # Paths in step: as many as leave their state in the level 2 cache
-PATHS = 512
+PATHS = 2048
 # Instead of a ray's number: nothing is in the way, nothing comes through
 CLEAR, HIDDEN = i32(-1), i32(-2)
 
@@ -79,10 +79,10 @@ def collision(room, i, enter):
     k = room.ray[i]
     t, p, scalar, sigma_t = -1.0, NOWHERE, ZERO, ZERO
     if k >= 0:
-        ray, found = room.queue.ray, room.queue.found
+        found = room.queue.found
         walked = found[k, 0]
         if walked >= ZERO:
-            o, d = (ray[k, 0], ray[k, 1], ray[k, 2]), (ray[k, 3], ray[k, 4], ray[k, 5])
+            o, d = ray_of(room.queue, k)
             t, p = enter + f64(walked), at(o, d, walked)
             scalar, sigma_t = found[k, 1], found[k, 2]
     return t, p, scalar, sigma_t
@@ -166,19 +166,17 @@ def render_in_step(film, scene, row_0, row_1, column_0, column_1, goal, seed, ro
                 room, i, rays, narrow(at(o_index, d_index, enter)), narrow(d_index), length, rng
             )
             ahead = (
-                origin, d, stop, o_index, d_index, light, distance, receiver, limit, triangle,
-                enter, rng,
-            )  # fmt: skip
+                origin, d, stop, light, distance, receiver, limit, triangle, enter, rng
+            )
             keep(room.ahead, i, ahead)
         walk_all(scene.medium, scene.transfer, None, room.queue, rays, room.pool)
         # What they meet, and light by light
         rays = 0
         for i in range(n):
-            ahead_i = kept(room.ahead, i, ahead)
-            (
-                origin, d, stop, o_index, d_index, light, distance, receiver, limit, triangle,
-                enter, rng,
-            ) = ahead_i  # fmt: skip
+            origin, d, stop, light, distance, receiver, limit, triangle, enter, rng = kept(
+                room.ahead, i, ahead
+            )
+            o_index, d_index = in_index(scene.camera, origin, d)
             t, p, scalar, sigma_t = collision(room, i, enter)
             rng = after_walk(room, i, rng)
             t, v, rng = event_at(
@@ -218,7 +216,7 @@ def render_in_step(film, scene, row_0, row_1, column_0, column_1, goal, seed, ro
             hit = t >= 0.0
             if hit:
                 L = add(L, add(by_light, scale(f, passed(scene.ratio, room, i))))
-            _, d, stop, _, _, _, _, _, _, _, _, _ = kept(room.ahead, i, ahead)
+            _, d, stop, _, _, _, _, _, _, _ = kept(room.ahead, i, ahead)
             row, column, sample = room.sample[i, 0], room.sample[i, 1], room.sample[i, 2]
             add_sample(
                 film, scene, row, column, sample, d, stop, L, hit, max(t, 0.0), albedo, normal
