@@ -31,7 +31,7 @@ NONE, FORWARD, BACK = i32(0), i32(1), i32(-1)
 BIT = u32(1)
 
 # Rays under way: a multiple of WIDTH that keeps their state in the level 1 cache
-POOL = 4 * WIDTH
+POOL = 2 * WIDTH
 # Rows of a ray's state: origin, direction, end; optical depth to go; next crossing of a cell face
 # along each axis, and distance between crossings; distance, transmittance
 OX, OY, OZ, DX, DY, DZ, END, TAU, TX, TY, TZ, BX, BY, BZ, T, LEFT = range(16)
