@@ -14,11 +14,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .jit import device
+from .jit import device, outlined
 from .lanes import (
     WIDTH, gather, highest_bit, load, mask, opposite, over_lanes, select, store, to_float,
 )  # fmt: skip
-from .rng import GOLDEN, Stream, exponential, logarithm, minus_logarithm, unit, uniform
+from .rng import Stream, exponential, logarithm, minus_logarithm, unit, uniform
 from .tracking import ESCAPED, VIOLATED, first_cell, first_crossing
 from .labels import label_row
 from .transfer import classify, extinction, of_label, row_start, table_position
@@ -40,6 +40,8 @@ MAJORANT, SCALAR, SIGMA = range(16, 19)
 STATE, FLOATS = 16, 19
 # Rows of whole numbers: cell, whether there is a tentative collision
 CX, CY, CZ, TENTATIVE = range(4)
+# Columns of what a ray meets: as `tracking.walk` returns it
+DISTANCE, THROUGH, FOUND_SCALAR, FOUND_SIGMA = range(4)
 
 unit = over_lanes(unit)
 uniform = over_lanes(uniform)
@@ -73,7 +75,7 @@ class Queue(NamedTuple):
     floats: NDArray[np.float32]  # (STATE, n)
     cells: NDArray[np.int32]  # (3, n)
     counter: NDArray[np.uint64]  # (n,) of random numbers, before and after
-    found: NDArray[np.float32]  # (n, 3) distance, or transmittance; scalar; extinction
+    found: NDArray[np.float32]  # (n, 4) columns below
 
 
 def new_pool():
@@ -89,7 +91,7 @@ def new_queue(n):
     """Queue with room for n rays, a multiple of `WIDTH`."""
     return Queue(
         np.zeros((STATE, n), np.float32), np.zeros((3, n), np.int32), np.zeros(n, np.uint64),
-        np.zeros((n, 3), np.float32),
+        np.zeros((n, 4), np.float32),
     )  # fmt: skip
 
 
@@ -230,51 +232,63 @@ def look_up(medium, transfer, pool, count):
 
 
 @device
-def collide_or_not(ratio, pool, count):
+def collide(pool, i, tentative):
+    """Delta tracking: accept or reject tentative collisions. Returns (whether ended, rng)."""
+    f = pool.floats
+    majorant, sigma_t = load(f, MAJORANT * POOL + i), load(f, SIGMA * POOL + i)
+    rng, u = uniform(Stream(load(pool.counters, i), None))
+    store(f, SIGMA * POOL + i, select(sigma_t > majorant, -VIOLATED, sigma_t))
+    return tentative & (u * majorant < sigma_t), rng
+
+
+@device
+def attenuate(roulette, pool, i, tentative):
+    """Ratio tracking: lower the transmittance. Returns (whether ended, rng).
+
+    Where nothing is drawn for roulette, the number is the next one's.
+    """
+    f, counter = pool.floats, load(pool.counters, i)
+    majorant, sigma_t = load(f, MAJORANT * POOL + i), load(f, SIGMA * POOL + i)
+    left = load(f, LEFT * POOL + i)
+    left = select(tentative, left * (ONE - sigma_t / majorant), left)
+    low = tentative & (left < roulette)
+    violated = low & (sigma_t > majorant)
+    rng, u = uniform(Stream(counter, None))
+    died = low & (u * roulette >= left)
+    left = select(low, roulette, left)
+    left = select(violated, VIOLATED, select(died, ZERO, left))
+    store(f, LEFT * POOL + i, left)
+    return died | violated, Stream(select(low, rng.counter, counter), None)
+
+
+@device
+def decide(by_ratio, roulette, pool, count):
     """Decide about tentative collisions; draw how far it is to the next one."""
     f = pool.floats
     for i in range(0, count, WIDTH):
         tentative = load(pool.cells, TENTATIVE * POOL + i) > NONE
-        majorant, sigma_t, counter = load(f, MAJORANT * POOL + i), load(f, SIGMA * POOL + i), load(pool.counters, i)
-        tau = load(f, TAU * POOL + i)
-        if ratio is None:
-            rng, u = uniform(Stream(counter, None))
-            ended = tentative & (u * majorant < sigma_t)
-            decided = rng.counter
-            rng, fresh = exponential(rng)
-            after = select(ended, decided, rng.counter)
-            sigma_t = select(sigma_t > majorant, -VIOLATED, sigma_t)
-            store(f, SIGMA * POOL + i, sigma_t)
+        counter, tau = load(pool.counters, i), load(f, TAU * POOL + i)
+        if by_ratio:
+            ended, rng = attenuate(roulette, pool, i, tentative)
         else:
-            left = load(f, LEFT * POOL + i)
-            left = select(tentative, left * (ONE - sigma_t / majorant), left)
-            low = tentative & (left < ratio.roulette)
-            violated = low & (sigma_t > majorant)
-            rng, u = uniform(Stream(counter, None))
-            died = low & (u * ratio.roulette >= left)
-            ended = died | violated
-            left = select(low, ratio.roulette, left)
-            left = select(violated, VIOLATED, select(died, ZERO, left))
-            store(f, LEFT * POOL + i, left)
-            # Without roulette, its number is the next one's
-            rng, fresh = exponential(Stream(select(low, rng.counter, counter), None))
-            after = select(ended, counter + GOLDEN, rng.counter)
+            ended, rng = collide(pool, i, tentative)
+        decided = rng.counter
+        rng, fresh = exponential(rng)
         store(f, TAU * POOL + i, select(tentative, fresh, tau))
+        after = select(ended, decided, rng.counter)
         store(pool.counters, i, select(tentative, after, counter))
         pool.ended[i // WIDTH, 0] = mask(ended) | pool.ended[i // WIDTH, 1]
 
 
 @device
-def write_found(ratio, queue, pool, lane, escaped):
+def write_found(queue, pool, lane, escaped):
     """Write what the ray of a lane has met."""
     k, f = pool.rays[lane], pool.floats
     queue.counter[k] = pool.counters[lane]
-    if ratio is None:
-        queue.found[k, 0] = ESCAPED if escaped else f[T, lane]
-        queue.found[k, 1] = f[SCALAR, lane]
-        queue.found[k, 2] = f[SIGMA, lane]
-    else:
-        queue.found[k, 0] = f[LEFT, lane]
+    queue.found[k, DISTANCE] = ESCAPED if escaped else f[T, lane]
+    queue.found[k, THROUGH] = f[LEFT, lane]
+    queue.found[k, FOUND_SCALAR] = f[SCALAR, lane]
+    queue.found[k, FOUND_SIGMA] = f[SIGMA, lane]
 
 
 @device
@@ -289,7 +303,7 @@ def move_lane(pool, here, there):
 
 
 @device
-def replace_ended(ratio, queue, n, pool, count, following):
+def replace_ended(queue, n, pool, count, following):
     """Write what ended rays have met, and put the next ones of the queue in their place.
 
     From the last lane down: where the queue is empty, the last ray fills the gap. Returns (rays
@@ -306,7 +320,7 @@ def replace_ended(ratio, queue, n, pool, count, following):
                 pool.cells[row, lane] = NONE
             if lane >= count:
                 continue
-            write_found(ratio, queue, pool, lane, (escaped >> u32(bit)) & BIT != u32(0))
+            write_found(queue, pool, lane, (escaped >> u32(bit)) & BIT != u32(0))
             if following < n:
                 take(queue, following, pool, lane)
                 following += 1
@@ -316,11 +330,12 @@ def replace_ended(ratio, queue, n, pool, count, following):
     return count, following
 
 
-@device
-def walk_all(medium, transfer, ratio, queue, n, pool):
-    """`tracking.walk` of the first n rays of a queue. `found` holds their t, scalar and sigma_t.
+@outlined
+def walk_all(medium, transfer, by_ratio, roulette, queue, n, pool):
+    """`tracking.walk` of the first n rays of a queue; `found` holds what they meet.
 
-    With `ratio`, it holds their transmittance.
+    One function for delta tracking and, with `by_ratio`, ratio tracking, which takes half as long
+    to compile as two.
     """
     set_out(medium, queue, n)
     following = min(n, POOL)
@@ -331,5 +346,24 @@ def walk_all(medium, transfer, ratio, queue, n, pool):
         fetch_majorants(medium, pool, count)
         advance(medium, pool, count)
         look_up(medium, transfer, pool, count)
-        collide_or_not(ratio, pool, count)
-        count, following = replace_ended(ratio, queue, n, pool, count, following)
+        decide(by_ratio, roulette, pool, count)
+        count, following = replace_ended(queue, n, pool, count, following)
+
+
+@device
+def walk_shadows(ratio, medium, transfer, queue, n, pool):
+    """Walk toward lights: by ratio tracking, or without `ratio` by delta tracking."""
+    if ratio is None:
+        walk_all(medium, transfer, False, ZERO, queue, n, pool)
+    else:
+        walk_all(medium, transfer, True, ratio.roulette, queue, n, pool)
+
+
+@device
+def transmittance_found(ratio, queue, k):
+    """Transmittance of ray number k after `walk_shadows`."""
+    if ratio is not None:
+        return queue.found[k, THROUGH]
+    if queue.found[k, DISTANCE] < ZERO:
+        return ONE
+    return VIOLATED if queue.found[k, FOUND_SIGMA] == -VIOLATED else ZERO

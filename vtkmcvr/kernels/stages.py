@@ -15,11 +15,13 @@ from .event import NOWHERE, event_at, nearest_approach, receiver_ahead, way_thro
 from .jit import device, glue, kernel
 from .kept import PLACE, keep, kept
 from .lights import light_seen
-from .packets import Pool, Queue, enqueue, new_pool, new_queue, ray_of, walk_all
+from .packets import (
+    DISTANCE, FOUND_SCALAR, FOUND_SIGMA, Pool, Queue, enqueue, new_pool, new_queue, ray_of,
+    transmittance_found, walk_all, walk_shadows,
+)  # fmt: skip
 from .path import in_index, missed
 from .rng import Stream, stratified_exponential
 from .sample import add_sample, camera_ray
-from .tracking import VIOLATED
 from .vec import BLACK, add, at, largest, narrow, scale, transform, wide
 from .visibility import blocked, shaded_interval
 
@@ -80,11 +82,11 @@ def collision(room, i, enter):
     t, p, scalar, sigma_t = -1.0, NOWHERE, ZERO, ZERO
     if k >= 0:
         found = room.queue.found
-        walked = found[k, 0]
+        walked = found[k, DISTANCE]
         if walked >= ZERO:
             o, d = ray_of(room.queue, k)
             t, p = enter + f64(walked), at(o, d, walked)
-            scalar, sigma_t = found[k, 1], found[k, 2]
+            scalar, sigma_t = found[k, FOUND_SCALAR], found[k, FOUND_SIGMA]
     return t, p, scalar, sigma_t
 
 
@@ -94,12 +96,7 @@ def passed(ratio, room, i):
     k = room.ray[i]
     if k < 0:
         return ONE if k == CLEAR else ZERO
-    found = room.queue.found
-    if ratio is not None:
-        return found[k, 0]
-    if found[k, 0] < ZERO:
-        return ONE
-    return VIOLATED if found[k, 2] == -VIOLATED else ZERO
+    return transmittance_found(ratio, room.queue, k)
 
 
 @glue
@@ -169,7 +166,7 @@ def render_in_step(film, scene, row_0, row_1, column_0, column_1, goal, seed, ro
                 origin, d, stop, light, distance, receiver, limit, triangle, enter, rng
             )
             keep(room.ahead, i, ahead)
-        walk_all(scene.medium, scene.transfer, None, room.queue, rays, room.pool)
+        walk_all(scene.medium, scene.transfer, False, ZERO, room.queue, rays, room.pool)
         # What they meet, and light by light
         rays = 0
         for i in range(n):
@@ -192,7 +189,7 @@ def render_in_step(film, scene, row_0, row_1, column_0, column_1, goal, seed, ro
             rays, rng = toward_light(scene, room, i, rays, v, drawn, rng)
             vertex = (v, drawn, rng, t)
             keep(room.lit, i, vertex)
-        walk_all(scene.medium, scene.transfer, scene.ratio, room.queue, rays, room.pool)
+        walk_shadows(scene.ratio, scene.medium, scene.transfer, room.queue, rays, room.pool)
         # Light by scatter
         rays = 0
         for i in range(n):
@@ -207,7 +204,7 @@ def render_in_step(film, scene, row_0, row_1, column_0, column_1, goal, seed, ro
             rays, rng = toward_light(scene, room, i, rays, v, drawn, rng)
             normal = first_normal(scene.normal_map, scene.medium, v)
             keep(room.seen, i, (v.emitted, by_light, drawn.f, v.albedo, normal, t))
-        walk_all(scene.medium, scene.transfer, scene.ratio, room.queue, rays, room.pool)
+        walk_shadows(scene.ratio, scene.medium, scene.transfer, room.queue, rays, room.pool)
         # Film
         for i in range(n):
             L, by_light, f, albedo, normal, t = kept(
