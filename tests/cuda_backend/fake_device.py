@@ -4,7 +4,7 @@ import numpy as np
 
 from vtkmcvr.film.moments import copy_film
 from vtkmcvr.gpu.errors import OutOfDeviceMemory
-from vtkmcvr.kernels.cpu import render_tile
+from vtkmcvr.tiles import render_tile
 
 
 class FakeDevice:

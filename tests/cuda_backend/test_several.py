@@ -13,7 +13,7 @@ from vtkmcvr import backends, schedule
 from vtkmcvr.gpu import device as one
 from vtkmcvr.gpu import launches, several
 from vtkmcvr.gpu.errors import CudaError, OutOfDeviceMemory
-from vtkmcvr.kernels.cpu import render_tile
+from vtkmcvr.tiles import render_tile
 from vtkmcvr.plan import plan
 from vtkmcvr.rendering import empty_film, render_scene
 

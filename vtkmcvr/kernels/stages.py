@@ -42,7 +42,9 @@ class Room(NamedTuple):
     ahead: NDArray[np.uint8]  # (PATHS, PLACE) camera ray
     lit: NDArray[np.uint8]  # vertex and light
     seen: NDArray[np.uint8]  # what the camera sees
-    queue: Queue
+    # A stage reads what the rays of the one before have met, and queues its own
+    first: Queue
+    second: Queue
     pool: Pool
 
 
@@ -50,57 +52,58 @@ def new_room():
     """Room for a tile."""
     return Room(
         np.zeros((PATHS, 3), np.int64), np.zeros(PATHS, np.int32), np.zeros(PATHS, np.bool_),
-        *(np.empty((PATHS, PLACE), np.uint8) for _ in range(3)), new_queue(PATHS), new_pool(),
+        *(np.empty((PATHS, PLACE), np.uint8) for _ in range(3)), new_queue(PATHS),
+        new_queue(PATHS), new_pool(),
     )  # fmt: skip
 
 
 @device
-def set_off(room, i, rays, o, d, length, rng):
+def set_off(room, queue, i, rays, o, d, length, rng):
     """Queue the ray of path i, if it has any length. Returns (rays in the queue, rng)."""
     room.ray[i] = CLEAR
     if not length > ZERO:
         return rays, rng
     rng, tau = stratified_exponential(rng)
-    enqueue(room.queue, rays, o, d, length, tau, rng.counter)
+    enqueue(queue, rays, o, d, length, tau, rng.counter)
     room.ray[i] = rays
     return rays + 1, rng
 
 
 @device
-def after_walk(room, i, rng):
+def after_walk(room, queue, i, rng):
     """Random numbers of path i after its walk."""
     k = room.ray[i]
     if k < 0:
         return rng
-    return Stream(room.queue.counter[k], rng.net)
+    return Stream(queue.counter[k], rng.net)
 
 
 @device
-def collision(room, i, enter):
+def collision(room, queue, i, enter):
     """First collision of path i: (t, index position, scalar, sigma_t); t < 0 without one."""
     k = room.ray[i]
     t, p, scalar, sigma_t = -1.0, NOWHERE, ZERO, ZERO
     if k >= 0:
-        found = room.queue.found
+        found = queue.found
         walked = found[k, DISTANCE]
         if walked >= ZERO:
-            o, d = ray_of(room.queue, k)
+            o, d = ray_of(queue, k)
             t, p = enter + f64(walked), at(o, d, walked)
             scalar, sigma_t = found[k, FOUND_SCALAR], found[k, FOUND_SIGMA]
     return t, p, scalar, sigma_t
 
 
 @device
-def passed(ratio, room, i):
+def passed(ratio, room, queue, i):
     """Transmittance of the shadow ray of path i."""
     k = room.ray[i]
     if k < 0:
         return ONE if k == CLEAR else ZERO
-    return transmittance_found(ratio, room.queue, k)
+    return transmittance_found(ratio, queue, k)
 
 
 @glue
-def toward_light(scene, room, i, rays, v, drawn, rng):
+def toward_light(scene, room, queue, i, rays, v, drawn, rng):
     """Queue the shadow ray of path i. Returns (rays in the queue, rng)."""
     room.ray[i] = HIDDEN
     if largest(drawn.f) > ZERO and not blocked(
@@ -109,7 +112,9 @@ def toward_light(scene, room, i, rays, v, drawn, rng):
         o = wide(v.p)
         d = wide(transform(scene.medium.index_from_world, drawn.wi))
         enter, length = shaded_interval(scene.shadows, scene.medium, o, d, drawn.distance)
-        rays, rng = set_off(room, i, rays, narrow(at(o, d, enter)), narrow(d), length, rng)
+        rays, rng = set_off(
+            room, queue, i, rays, narrow(at(o, d, enter)), narrow(d), length, rng
+        )
     return rays, rng
 
 
@@ -160,13 +165,14 @@ def render_in_step(film, scene, row_0, row_1, column_0, column_1, goal, seed, ro
             )  # fmt: skip
             enter, length = way_through(scene.medium, o_index, d_index, limit)
             rays, rng = set_off(
-                room, i, rays, narrow(at(o_index, d_index, enter)), narrow(d_index), length, rng
-            )
+                room, room.first, i, rays, narrow(at(o_index, d_index, enter)), narrow(d_index),
+                length, rng,
+            )  # fmt: skip
             ahead = (
                 origin, d, stop, light, distance, receiver, limit, triangle, enter, rng
             )
             keep(room.ahead, i, ahead)
-        walk_all(scene.medium, scene.transfer, False, ZERO, room.queue, rays, room.pool)
+        walk_all(scene.medium, scene.transfer, False, ZERO, room.first, rays, room.pool)
         # What they meet, and light by light
         rays = 0
         for i in range(n):
@@ -174,8 +180,8 @@ def render_in_step(film, scene, row_0, row_1, column_0, column_1, goal, seed, ro
                 room.ahead, i, ahead
             )
             o_index, d_index = in_index(scene.camera, origin, d)
-            t, p, scalar, sigma_t = collision(room, i, enter)
-            rng = after_walk(room, i, rng)
+            t, p, scalar, sigma_t = collision(room, room.first, i, enter)
+            rng = after_walk(room, room.first, i, rng)
             t, v, rng = event_at(
                 scene, origin, d, o_index, d_index, t, p, scalar, sigma_t, receiver, limit,
                 triangle, rng,
@@ -186,25 +192,27 @@ def render_in_step(film, scene, row_0, row_1, column_0, column_1, goal, seed, ro
                 keep(room.seen, i, (L, BLACK, BLACK, BLACK, BLACK, -1.0))
                 continue
             drawn, rng = draw_by_light(scene.choice, scene, v, rng)
-            rays, rng = toward_light(scene, room, i, rays, v, drawn, rng)
+            rays, rng = toward_light(scene, room, room.second, i, rays, v, drawn, rng)
             vertex = (v, drawn, rng, t)
             keep(room.lit, i, vertex)
-        walk_shadows(scene.ratio, scene.medium, scene.transfer, room.queue, rays, room.pool)
+        walk_shadows(scene.ratio, scene.medium, scene.transfer, room.second, rays, room.pool)
         # Light by scatter
         rays = 0
         for i in range(n):
             if not room.hit[i]:
                 continue
             v, drawn, rng, t = kept(room.lit, i, vertex)
-            by_light = attenuated(scene.choice, v, drawn, passed(scene.ratio, room, i))
-            rng = after_walk(room, i, rng)
+            by_light = attenuated(
+                scene.choice, v, drawn, passed(scene.ratio, room, room.second, i)
+            )
+            rng = after_walk(room, room.second, i, rng)
             drawn, rng = draw_by_scatter(
                 scene.ambient, scene.environment, scene.area_lights, scene, v, rng
             )
-            rays, rng = toward_light(scene, room, i, rays, v, drawn, rng)
+            rays, rng = toward_light(scene, room, room.first, i, rays, v, drawn, rng)
             normal = first_normal(scene.normal_map, scene.medium, v)
             keep(room.seen, i, (v.emitted, by_light, drawn.f, v.albedo, normal, t))
-        walk_shadows(scene.ratio, scene.medium, scene.transfer, room.queue, rays, room.pool)
+        walk_shadows(scene.ratio, scene.medium, scene.transfer, room.first, rays, room.pool)
         # Film
         for i in range(n):
             L, by_light, f, albedo, normal, t = kept(
@@ -212,7 +220,7 @@ def render_in_step(film, scene, row_0, row_1, column_0, column_1, goal, seed, ro
             )
             hit = t >= 0.0
             if hit:
-                L = add(L, add(by_light, scale(f, passed(scene.ratio, room, i))))
+                L = add(L, add(by_light, scale(f, passed(scene.ratio, room, room.first, i))))
             _, d, stop, _, _, _, _, _, _, _ = kept(room.ahead, i, ahead)
             row, column, sample = room.sample[i, 0], room.sample[i, 1], room.sample[i, 2]
             add_sample(
