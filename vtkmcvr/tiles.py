@@ -5,13 +5,11 @@ from __future__ import annotations
 import threading
 
 import numpy as np
-from numba import config
 from numpy.typing import NDArray
 
 from . import packed
 from .kernels.cpu import render_tile as render_one_by_one
 from .kernels.stages import Room, new_room, render_in_step
-
 
 _rooms = threading.local()
 
@@ -23,7 +21,9 @@ def goes_in_step(scene: packed.Scene) -> bool:
         scene.scattering, scene.marching, scene.more, medium.holes, medium.regions,
         transfer.gradient_opacity, transfer.table_2d,
     )  # fmt: skip
-    return not config.DISABLE_JIT and all(effect is None for effect in others)
+    # Plain Python, as with NUMBA_DISABLE_JIT=1, knows no lanes
+    compiled = hasattr(render_in_step, "py_func")
+    return compiled and all(effect is None for effect in others)
 
 
 def render_tile(

@@ -21,7 +21,12 @@ pytestmark = pytest.mark.skipif(
 )
 if not config.DISABLE_JIT:
     from vtkmcvr.kernels.packets import (
-        enqueue, new_pool, new_queue, transmittance_found, walk_all, walk_shadows,
+        enqueue,
+        new_pool,
+        new_queue,
+        transmittance_found,
+        walk_all,
+        walk_shadows,
     )  # fmt: skip
 
 N = 3000
@@ -32,9 +37,7 @@ def one_by_one(medium, transfer, ratio, rays, out):
     for i in range(len(rays)):
         o, d = (rays[i, 0], rays[i, 1], rays[i, 2]), (rays[i, 3], rays[i, 4], rays[i, 5])
         rng = start(5, i, 0)
-        out[i, 0], out[i, 1], out[i, 2], _, _ = walk(
-            medium, transfer, o, d, rays[i, 6], None, rng
-        )
+        out[i, 0], out[i, 1], out[i, 2], _, _ = walk(medium, transfer, o, d, rays[i, 6], None, rng)
         _, _, _, out[i, 3], _ = walk(medium, transfer, o, d, rays[i, 6], ratio, rng)
 
 
@@ -97,7 +100,8 @@ def rays_through(values):
 
 
 @pytest.mark.parametrize(
-    "kind", ["int16", "float32", *(pytest.param(k, marks=pytest.mark.slow) for k in ("uint8", "uint16"))]
+    "kind",
+    ["int16", "float32", *(pytest.param(k, marks=pytest.mark.slow) for k in ("uint8", "uint16"))],
 )
 def test_rays_at_once_meet_what_they_meet_one_by_one(kind):
     packed = planned(kind).packed
@@ -149,7 +153,9 @@ def in_step_and_one_by_one(some, samples=8):
 
 
 def test_paths_in_step_make_the_picture_of_paths_one_by_one():
-    step, single = in_step_and_one_by_one(everything(ConstantEnvironment(1.0), surface=Surface(gradient_factor=1.0)))
+    step, single = in_step_and_one_by_one(
+        everything(ConstantEnvironment(1.0), surface=Surface(gradient_factor=1.0))
+    )
     np.testing.assert_array_equal(step.count, single.count)
     np.testing.assert_array_equal(step.hits, single.hits)
     np.testing.assert_allclose(step.depth, single.depth, rtol=1e-5)

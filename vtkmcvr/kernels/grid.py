@@ -36,9 +36,7 @@ def trilinear(values, p):
     z = min(max(p[2], ZERO), f32(nz - 1))
     a, b, c = min(i32(x), i32(nx - 2)), min(i32(y), i32(ny - 2)), min(i32(z), i32(nz - 2))
     fx, fy, fz = x - f32(a), y - f32(b), z - f32(c)
-    v000, v100, v010, v110, v001, v101, v011, v111 = corners(
-        values, index(a), index(b), index(c)
-    )
+    v000, v100, v010, v110, v001, v101, v011, v111 = corners(values, index(a), index(b), index(c))
     c00 = v000 + (v100 - v000) * fx
     c10 = v010 + (v110 - v010) * fx
     c01 = v001 + (v101 - v001) * fx

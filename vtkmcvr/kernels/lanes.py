@@ -9,7 +9,6 @@ with AVX2, one with AVX-512, four with SSE or NEON.
 import operator
 from types import FunctionType
 
-import numpy as np
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
@@ -401,7 +400,8 @@ def point(rows, i, j, k):
 # What sources of scalar functions find under these names when they are compiled over lanes
 _meanings = {
     "f32": to_float, "i32": to_int, "i64": as_is, "index": as_is, "select": select,
-    "corners": corners, "point": point, "entries": gather_pair, "float_bits": float_bits, "bits_float": bits_float,
+    "corners": corners, "point": point, "entries": gather_pair,
+    "float_bits": float_bits, "bits_float": bits_float,
 }  # fmt: skip
 
 
@@ -418,4 +418,3 @@ def over_lanes(function):
     twin.__qualname__, twin.__module__ = source.__qualname__, source.__module__
     _meanings[source.__name__] = compiled = device(twin)
     return compiled
-

@@ -1,4 +1,4 @@
-"""`tracking.walk` of many rays at once: the same estimators, ray by ray, in lanes of SIMD registers.
+"""`tracking.walk` of many rays at once, in lanes of SIMD registers: the same estimators.
 
 A ray by itself is one chain of steps, each of which waits for the one before: position, macrocell,
 eight voxels, transfer function, decision. Here a pool of rays goes one step each in turn, either to
@@ -14,15 +14,24 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .jit import device, outlined
-from .lanes import (
-    WIDTH, gather, highest_bit, load, mask, opposite, over_lanes, select, store, to_float,
-)  # fmt: skip
-from .rng import Stream, exponential, logarithm, minus_logarithm, unit, uniform
-from .tracking import ESCAPED, VIOLATED, first_cell, first_crossing
-from .labels import label_row
-from .transfer import classify, extinction, of_label, row_start, table_position
 from .grid import trilinear
+from .jit import device, outlined
+from .labels import label_row
+from .lanes import (
+    WIDTH,
+    gather,
+    highest_bit,
+    load,
+    mask,
+    opposite,
+    over_lanes,
+    select,
+    store,
+    to_float,
+)  # fmt: skip
+from .rng import Stream, exponential, logarithm, minus_logarithm, uniform, unit
+from .tracking import ESCAPED, VIOLATED, first_cell, first_crossing
+from .transfer import classify, extinction, of_label, row_start, table_position
 from .vec import at
 
 f32, i32, u32 = np.float32, np.int32, np.uint32
@@ -154,7 +163,11 @@ def fetch_majorants(medium, pool, count):
     """Majorant of each ray's cell."""
     _, ny, nx = medium.majorant.shape
     for i in range(0, count, WIDTH):
-        x, y, z = load(pool.cells, CX * POOL + i), load(pool.cells, CY * POOL + i), load(pool.cells, CZ * POOL + i)
+        x, y, z = (
+            load(pool.cells, CX * POOL + i),
+            load(pool.cells, CY * POOL + i),
+            load(pool.cells, CZ * POOL + i),
+        )
         store(pool.floats, MAJORANT * POOL + i, gather(medium.majorant, (z * ny + y) * nx + x))
 
 
@@ -173,7 +186,12 @@ def advance(medium, pool, count):
     nz, ny, nx = medium.majorant.shape
     per_cell, f, c = medium.cells_per_index, pool.floats, pool.cells
     for i in range(0, count, WIDTH):
-        majorant, t, tau, end = load(f, MAJORANT * POOL + i), load(f, T * POOL + i), load(f, TAU * POOL + i), load(f, END * POOL + i)
+        majorant, t, tau, end = (
+            load(f, MAJORANT * POOL + i),
+            load(f, T * POOL + i),
+            load(f, TAU * POOL + i),
+            load(f, END * POOL + i),
+        )
         tx, ty, tz = load(f, TX * POOL + i), load(f, TY * POOL + i), load(f, TZ * POOL + i)
         bx, by, bz = load(f, BX * POOL + i), load(f, BY * POOL + i), load(f, BZ * POOL + i)
         # Where the ray leaves the cell, or the empty cube around it
@@ -192,16 +210,16 @@ def advance(medium, pool, count):
         across_y = goes_on & opposite(across_x) & (ty <= tz)
         across_z = goes_on & opposite(across_x) & opposite(across_y)
         x, tx = step_along(
-            load(f, OX * POOL + i), load(f, DX * POOL + i), t, per_cell, nx, load(c, CX * POOL + i), tx, bx, empty,
-            across_x,
+            load(f, OX * POOL + i), load(f, DX * POOL + i), t, per_cell, nx,
+            load(c, CX * POOL + i), tx, bx, empty, across_x,
         )  # fmt: skip
         y, ty = step_along(
-            load(f, OY * POOL + i), load(f, DY * POOL + i), t, per_cell, ny, load(c, CY * POOL + i), ty, by, empty,
-            across_y,
+            load(f, OY * POOL + i), load(f, DY * POOL + i), t, per_cell, ny,
+            load(c, CY * POOL + i), ty, by, empty, across_y,
         )  # fmt: skip
         z, tz = step_along(
-            load(f, OZ * POOL + i), load(f, DZ * POOL + i), t, per_cell, nz, load(c, CZ * POOL + i), tz, bz, empty,
-            across_z,
+            load(f, OZ * POOL + i), load(f, DZ * POOL + i), t, per_cell, nz,
+            load(c, CZ * POOL + i), tz, bz, empty, across_z,
         )  # fmt: skip
         outside = (x < NONE) | (x >= nx) | (y < NONE) | (y >= ny) | (z < NONE) | (z >= nz)
         store(f, TX * POOL + i, tx)

@@ -16,8 +16,18 @@ from .jit import device, glue, kernel
 from .kept import PLACE, keep, kept
 from .lights import light_seen
 from .packets import (
-    DISTANCE, FOUND_SCALAR, FOUND_SIGMA, Pool, Queue, enqueue, new_pool, new_queue, ray_of,
-    transmittance_found, walk_all, walk_shadows,
+    DISTANCE,
+    FOUND_SCALAR,
+    FOUND_SIGMA,
+    Pool,
+    Queue,
+    enqueue,
+    new_pool,
+    new_queue,
+    ray_of,
+    transmittance_found,
+    walk_all,
+    walk_shadows,
 )  # fmt: skip
 from .path import in_index, missed
 from .rng import Stream, stratified_exponential
@@ -112,9 +122,7 @@ def toward_light(scene, room, queue, i, rays, v, drawn, rng):
         o = wide(v.p)
         d = wide(transform(scene.medium.index_from_world, drawn.wi))
         enter, length = shaded_interval(scene.shadows, scene.medium, o, d, drawn.distance)
-        rays, rng = set_off(
-            room, queue, i, rays, narrow(at(o, d, enter)), narrow(d), length, rng
-        )
+        rays, rng = set_off(room, queue, i, rays, narrow(at(o, d, enter)), narrow(d), length, rng)
     return rays, rng
 
 
@@ -168,9 +176,7 @@ def render_in_step(film, scene, row_0, row_1, column_0, column_1, goal, seed, ro
                 room, room.first, i, rays, narrow(at(o_index, d_index, enter)), narrow(d_index),
                 length, rng,
             )  # fmt: skip
-            ahead = (
-                origin, d, stop, light, distance, receiver, limit, triangle, enter, rng
-            )
+            ahead = (origin, d, stop, light, distance, receiver, limit, triangle, enter, rng)
             keep(room.ahead, i, ahead)
         walk_all(scene.medium, scene.transfer, False, ZERO, room.first, rays, room.pool)
         # What they meet, and light by light
@@ -202,9 +208,7 @@ def render_in_step(film, scene, row_0, row_1, column_0, column_1, goal, seed, ro
             if not room.hit[i]:
                 continue
             v, drawn, rng, t = kept(room.lit, i, vertex)
-            by_light = attenuated(
-                scene.choice, v, drawn, passed(scene.ratio, room, room.second, i)
-            )
+            by_light = attenuated(scene.choice, v, drawn, passed(scene.ratio, room, room.second, i))
             rng = after_walk(room, room.second, i, rng)
             drawn, rng = draw_by_scatter(
                 scene.ambient, scene.environment, scene.area_lights, scene, v, rng
