@@ -27,7 +27,6 @@ from .schedule import Progress
 from .segmentation import Segmentation
 from .studio import View, view_camera
 from .volume_info import modality, segments, units
-from .vtk_bridge.single import single_volume
 
 TECHNIQUES = ("monte-carlo", *NOISELESS)
 # sRGB colour behind presets
@@ -114,6 +113,8 @@ def _volume_and_facts(data: Any) -> tuple[Volume, dict[str, str], tuple[str, ...
     """Volume; units and modality where a reader recorded them; notes on its components."""
     if isinstance(data, Volume):
         return data, {"units": "", "modality": ""}, ()
+    from .vtk_bridge.single import single_volume
+
     volume, noted = single_volume(data)
     modal = "SEG" if segments(data) else modality(data)
     if volume.colours is not None:
