@@ -21,12 +21,12 @@ from .presets.framing import view_of_slab
 from .presets.overlay import with_overlay
 from .presets.recorded import chosen_labels
 from .presets.solids import as_solids, with_segmentation
+from .recorded_facts import modality, segments, units
 from .rendering import render_scene
 from .scene import Camera, Scene, TransferFunction, Volume
 from .schedule import Progress
 from .segmentation import Segmentation
 from .studio import View, view_camera
-from .volume_info import modality, segments, units
 
 TECHNIQUES = ("monte-carlo", *NOISELESS)
 # sRGB colour behind presets
