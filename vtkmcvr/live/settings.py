@@ -15,6 +15,7 @@ from ..noiseless import check_settings
 from ..occlusion import Occlusion
 from ..pictures.display import EXPOSURE, SHADED_EXPOSURE
 from ..scene import Scene
+from ..studio import Studio
 
 TECHNIQUES = ("monte-carlo", *NOISELESS)
 LIGHTING = ("scene", "studio")
@@ -43,9 +44,9 @@ class LiveSettings:
         Error at which it is done, such as 0.02.
     seconds : float, optional
         Time after which it is done.
-    lighting : {"scene", "studio"} or sequence of Light
+    lighting : {"scene", "studio"}, Studio or sequence of Light
         The renderer's own lights and environment; or a key light, a rim light and a fill that
-        follow the camera; or these lights.
+        follow the camera, of usual brightness or of a `Studio`; or these lights.
     meshes : {"drawn", "traced"}
         "drawn": VTK draws meshes; they hide the volume and are seen through it. "traced": surfaces
         of one colour are rendered with the volume instead: they receive its soft shadow, and cast
@@ -76,7 +77,7 @@ class LiveSettings:
     samples: int | None = None
     nrms: float | None = None
     seconds: float | None = None
-    lighting: str | Sequence[Light] = "scene"
+    lighting: str | Studio | Sequence[Light] = "scene"
     meshes: str = "drawn"
     scattering: str = "single"
     gradient_factor: float = 0.5
@@ -114,7 +115,7 @@ class LiveSettings:
     def _check_kinds(self) -> None:
         if isinstance(self.lighting, str):
             checks.choice("lighting", self.lighting, LIGHTING)
-        else:
+        elif not isinstance(self.lighting, Studio):
             lights = tuple(self.lighting)
             _one_of("each light of lighting", lights, Light)
             object.__setattr__(self, "lighting", lights)

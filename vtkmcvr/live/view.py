@@ -139,13 +139,13 @@ class LiveView:
             self._rest()
             return
         props = self._around()
-        key = self._reader.key(self.renderer, place, volumes, props)
-        if key != self._key:
+        if self._reader.key(self.renderer, place, volumes, props) != self._key:
             self._restart(place, volumes, props)
-            # Reading a scene may create functions that were never set
-            self._key = self._reader.key(self.renderer, place, volumes, props)
         elif not self._settled and not self._looked(place, props, LOOK_SECONDS):
             self._settle(place, volumes, props)
+        # Reading a scene may create functions that were never set, and drawing some props elsewhere
+        # counts as a change of theirs
+        self._key = self._reader.key(self.renderer, place, volumes, props)
         self._swap()
         self._hide([*volumes, *props.hidden])
 
