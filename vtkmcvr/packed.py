@@ -647,6 +647,14 @@ class PublishedTable(NamedTuple):
     missing: NDArray[np.float32]  # [before or behind, row, column], by turns
 
 
+class SweptLight(NamedTuple):
+    """How light goes through layers on a device: one of these."""
+
+    beams: BeamTable | None
+    blurred: BlurTable | None
+    published: PublishedTable | None
+
+
 class FilledVolume(NamedTuple):
     """One volume that fills layers on a device."""
 

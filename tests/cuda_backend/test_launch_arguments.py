@@ -112,7 +112,7 @@ def test_every_parameter_of_a_sweep_gets_an_argument_of_its_size(name, monkeypat
     from numba.cuda.typing.typeof import typeof
     from ptx import pretend, ptx_of
 
-    from vtkmcvr.kernels.cone_cuda import sweep_beams
+    from vtkmcvr.kernels.cone_cuda import sweep_layers
 
     pretend(monkeypatch, (9, 0))
     arguments = on_device(sweeps.dense_tables(*{**sweeps.MODES, **sweeps.MORE}[name]))
@@ -124,7 +124,7 @@ def test_every_parameter_of_a_sweep_gets_an_argument_of_its_size(name, monkeypat
 
     ptx = ptx_of(same_parameters, types, (9, 0))
     wanted = [SIZES[kind] for kind in PARAMETER.findall(ptx)]
-    assert list(map(size_of, handed_over(types, arguments, sweep_beams.extensions))) == wanted
+    assert list(map(size_of, handed_over(types, arguments, sweep_layers.extensions))) == wanted
     # What CUDA takes since 12.1, from compute capability 7.0 on
     assert sum(wanted) < 32764
 

@@ -21,22 +21,18 @@ from .launches import LAUNCH_SECONDS, QUEUED, WAIT_SECONDS
 class SweepDevice(Device):
     """A device that takes light through blocks of layers.
 
-    Parameters
-    ----------
-    kind : {"beams", "blurred", "published"}
-
     Attributes
     ----------
     kernel : object
         numba-cuda's, with all that it was compiled for.
     """
 
-    def __init__(self, kind: str) -> None:
+    def __init__(self) -> None:
         super().__init__()
         with translated("the device was opened"):
             from ..kernels import cone_cuda
         self._sweeps = cone_cuda
-        self.kernel = getattr(cone_cuda, f"sweep_{kind}")
+        self.kernel = cone_cuda.sweep_layers
         self._grid = 1
 
     def compile(self, tables: Any) -> None:
