@@ -27,7 +27,10 @@ Tile = tuple[int, int, int, int]
 
 # Work between two looks at abort and deadline, and length of a pass, in seconds
 TILE_SECONDS, PASS_SECONDS, POLL_SECONDS = 0.02, 0.5, 0.02
-FIRST_TILE, LARGEST_TILE = 64, 64
+# The first is before the time of a path is known
+FIRST_TILE, LARGEST_TILE = 32, 64
+# Work that a pause waits for: a frame is about to be drawn
+PAUSABLE_SECONDS = 0.004
 PAUSE_SECONDS = 1.0
 COMPILE_MESSAGE_AFTER = 1.0
 UNLIMITED = 2**40
@@ -222,13 +225,14 @@ class Runner:
             raise
 
     def _tiles(self, target: int) -> Iterator[Tile]:
-        """Squares that take about `TILE_SECONDS` each."""
+        """Squares that take about `TILE_SECONDS` each, or `PAUSABLE_SECONDS`."""
         height, width = self.film.count.shape
         edge = FIRST_TILE
         if self.paths:
             rate = self.paths / self.threads / max(time.perf_counter() - self.start, 1e-6)
             samples = max(1, target - level_of(self.film.count, self.density))
-            area = rate * TILE_SECONDS / samples * self.film.count.size / self.pixels
+            seconds = TILE_SECONDS if self.rules.running is None else PAUSABLE_SECONDS
+            area = rate * seconds / samples * self.film.count.size / self.pixels
             edge = int(np.clip(math.sqrt(area), 4, LARGEST_TILE))
         for row in range(0, height, edge):
             for column in range(0, width, edge):

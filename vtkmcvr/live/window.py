@@ -8,6 +8,7 @@ from typing import Any
 from vtkmodules.vtkCommonCore import vtkCommand
 from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow, vtkRenderWindowInteractor
 
+from .places import SPREAD
 from .refiner import Refiner
 from .settings import LiveSettings
 from .view import LiveView
@@ -64,8 +65,10 @@ class LiveWindow:
     def wait(self, timeout: float | None = None) -> bool:
         """Wait until all pictures are done, and draw them; False after `timeout` seconds."""
         self._window.Render()
-        if self.waiting:
-            self._window.Render()
+        # Each frame looks at one place of the pixels at least, and the one after the last settles
+        for _ in range(len(SPREAD) + 1):
+            if not all(view.settled for view in self.views):
+                self._window.Render()
         done = self._refiner.wait(timeout)
         self._window.Render()
         return done
