@@ -459,6 +459,33 @@ class Film(NamedTuple):
     cover: NDArray[np.float64] | None  # (H, W) mean of what veils leave of the hits
 
 
+class FilmTotals(NamedTuple):
+    """Sums over the pixels of a film; v is the variance of a mean, m the mean.
+
+    While any pixel is unknown, the sums after that say nothing.
+    """
+
+    paths: float
+    least: float  # fewest samples of a pixel
+    bright: float  # means that are not 0
+    unknown: float  # pixels whose variance is unknown
+    noise: float  # v
+    noise_squares: float  # square of the v of a pixel's three channels together
+    squares: float  # m^2
+    crossed: float  # m^2 v
+    variance_squares: float  # v^2
+
+
+class Screen(NamedTuple):
+    """How a film is displayed; see `vtkmcvr.screen.Display`."""
+
+    scale: np.float32  # of the radiance, before the curve
+    film_like: np.bool_  # tone curve of Exposure Render; otherwise cut off at 1
+    power: np.float32  # by which light is encoded; 0: sRGB
+    window: NDArray[np.float32] | None  # weights of the film filter along an axis
+    background: Vector | None  # linear display light
+
+
 class Integrals(NamedTuple):
     """Integrals of a transfer function from its first table entry on, over entries.
 

@@ -1,10 +1,13 @@
 """A device that is the CPU: launches are carried out when they are first waited for."""
 
 import numpy as np
+from compiled import compiled
 
+from vtkmcvr.accuracy import totals_of
 from vtkmcvr.film.moments import copy_film
 from vtkmcvr.gpu.errors import OutOfDeviceMemory
 from vtkmcvr.kernels.cpu import render_tile
+from vtkmcvr.kernels.shown import show_pixel
 
 
 class FakeDevice:
@@ -16,6 +19,7 @@ class FakeDevice:
     def __init__(self, room=True, fail_at=None, error=None):
         self.room, self.fail_at, self.error = room, fail_at, error
         self.launched, self.in_flight, self.most_in_flight, self.compiled = [], 0, 0, 0
+        self.downloads = 0
 
     def alike(self):
         return [0]
@@ -29,7 +33,19 @@ class FakeDevice:
 
     def download(self, film):
         assert self.in_flight == 0
+        self.downloads += 1
         return copy_film(film)
+
+    def totals(self, film):
+        assert self.in_flight == 0
+        return totals_of(film)
+
+    def shown(self, film, screen):
+        assert self.in_flight == 0
+        pixels, show = np.zeros((*film.count.shape, 4), np.uint8), compiled(show_pixel)
+        for row, column in np.ndindex(film.count.shape):
+            show(screen, film, pixels, row, column)
+        return pixels
 
     def compile(self, film, scene, goal, seed):
         self.compiled += 1
