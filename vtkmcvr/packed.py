@@ -12,7 +12,7 @@ or a Fortran-ordered array would compile everything anew.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,10 +27,36 @@ Matrix64 = tuple[Vector64, Vector64, Vector64]
 BATCH = 16
 
 
+# Voxels along each axis of a brick; unsigned, as indices of voxels are
+BRICK = np.uintp(32)
+
+
+class Bricks(NamedTuple):
+    """Voxels in bricks, [k, j, i] like an array of the volume, without those that nobody reads.
+
+    For devices without room for the volume: kernels of the CPU know arrays alone.
+    """
+
+    shape: tuple[np.int64, np.int64, np.int64]  # of the volume
+    slot: NDArray[np.uint32]  # [k, j, i] of bricks: which one in `voxels`
+    voxels: NDArray  # (n, BRICK, BRICK, BRICK)
+
+    def __getitem__(self, place: Any) -> Any:
+        """Voxel at (k, j, i), as kernels have it; a field by its number."""
+        return voxel(self, place) if isinstance(place, tuple) else tuple.__getitem__(self, place)
+
+
+def voxel(bricks: Any, place: Any) -> Any:
+    """Voxel at (k, j, i); kernels compile it."""
+    k, j, i = place
+    slot = bricks.slot[k // BRICK, j // BRICK, i // BRICK]
+    return bricks.voxels[slot, k % BRICK, j % BRICK, i % BRICK]
+
+
 class Medium(NamedTuple):
     """The scalar field with its majorant grid."""
 
-    values: NDArray  # [k, j, i], at least two points an axis
+    values: NDArray  # [k, j, i], at least two points an axis; on a device perhaps Bricks
     majorant: NDArray[
         np.float32
     ]  # [k, j, i] of cells: bound of sigma_t; <= 0: empty, minus cells around
