@@ -17,6 +17,7 @@ SCRIPTS = Path(__file__).parents[1] / "gpu"
 sys.path.insert(0, str(SCRIPTS))
 
 import agreement  # noqa: E402
+import film_shown  # noqa: E402
 import occluded  # noqa: E402
 
 
@@ -54,6 +55,13 @@ def test_devices_that_agree_pass(on):
 def test_a_bias_is_found(on):
     on(Biased)
     assert not agreement.compared(agreement.SINGLE)["passed"]
+
+
+def test_films_shown_alike_pass_and_a_bias_is_found(monkeypatch):
+    monkeypatch.setattr(film_shown, "CudaDevice", FakeDevice)
+    assert film_shown.alike(SMALL)["passed"]
+    monkeypatch.setattr(film_shown, "CudaDevice", Biased)
+    assert not film_shown.alike(SMALL)["passed"]
 
 
 @pytest.fixture

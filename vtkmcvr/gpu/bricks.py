@@ -46,9 +46,11 @@ def in_bricks(medium: packed.Medium) -> packed.Medium:
     voxels = np.zeros((max(count, 1), EDGE, EDGE, EDGE), medium.values.dtype)
     for number, place in enumerate(np.argwhere(needed)):
         part = medium.values[tuple(slice(n * EDGE, (n + 1) * EDGE) for n in place)]
-        voxels[(number, *map(slice, part.shape))] = part
+        depth, rows, columns = part.shape
+        voxels[number, :depth, :rows, :columns] = part
     nz, ny, nx = map(np.int64, medium.values.shape)
-    return medium._replace(values=packed.Bricks((nz, ny, nx), slot, voxels))
+    bricks: Any = packed.Bricks((nz, ny, nx), slot, voxels)
+    return medium._replace(values=bricks)
 
 
 def needed_bricks(medium: packed.Medium) -> NDArray[np.bool_]:
