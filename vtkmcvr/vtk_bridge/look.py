@@ -8,7 +8,7 @@ from vtkmodules.vtkRenderingCore import vtkColorTransferFunction, vtkVolumePrope
 
 from ..presets import Look, look_named
 from ..presets.fit import fit_look
-from ..volume_info import units
+from ..recorded_facts import units
 from .property import phase_of, surface_of, transfer_of
 from .single import single_volume
 
