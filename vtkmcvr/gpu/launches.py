@@ -124,6 +124,8 @@ class DeviceRun(schedule.Runner):
         """Queue launches until all pixels have what they get at level `target`."""
         queue: deque[Queued] = deque()
         for launch in self._launches(target):
+            if self.rules.running is not None:
+                self.rules.running.wait(schedule.PAUSE_SECONDS)
             rows, (goal, cap) = (launch.start, launch.end), goal_of(launch.level)
             ticket = self.device.launch(
                 self.there.film, self.there.scene, rows, goal, cap, self.seed
