@@ -2,7 +2,7 @@
 
 numba-cuda has no textures. Here they come from cuda-bindings, which it rests on, and from one line
 of PTX. The filter of a texture has weights of nine bits, one of them before the point: it is wrong
-by up to 1/512 of the difference between neighbours along each axis. Eight reads of a texture
+by up to 1/256 of the difference between neighbours along each axis. Eight reads of a texture
 without filter, and weights of our own, are as exact as an array.
 """
 
@@ -25,7 +25,7 @@ PATHS, LOOKUPS, STEP = 2**20, 256, f32(0.7)
 THREADS, REPEATS = 128, 5
 EDGE = 512
 # By how much a filtered lookup may be off, in differences of neighbours: three axes
-MOST_ERROR = 3 / 512 + 1e-4
+MOST_ERROR = 3 / 256
 
 
 @intrinsic
