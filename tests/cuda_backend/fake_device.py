@@ -3,8 +3,10 @@
 import numpy as np
 from compiled import compiled
 
+from vtkmcvr import packed
 from vtkmcvr.accuracy import totals_of
 from vtkmcvr.film.moments import copy_film
+from vtkmcvr.gpu import bricks
 from vtkmcvr.gpu.errors import OutOfDeviceMemory
 from vtkmcvr.kernels.cpu import render_tile
 from vtkmcvr.kernels.shown import show_pixel
@@ -71,3 +73,14 @@ def copied(part):
         inner = map(copied, part)
         return type(part)(*inner) if hasattr(part, "_fields") else tuple(inner)
     return part.copy() if isinstance(part, np.ndarray) else part
+
+
+def poisoned(medium):
+    """What a device has of a medium in bricks as an array, NaN where it has nothing."""
+    found, (slot, voxels) = np.full(medium.values.shape, np.nan, np.float32), medium.values[1:]
+    edge = int(packed.BRICK)
+    for place in np.argwhere(bricks.needed_bricks(medium)):
+        there = tuple(slice(n * edge, (n + 1) * edge) for n in place)
+        shape = found[there].shape
+        found[there] = voxels[(slot[tuple(place)], *map(slice, shape))]
+    return medium._replace(values=found)

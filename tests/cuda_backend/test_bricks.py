@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from fake_device import FakeDevice
+from fake_device import FakeDevice, poisoned
 from needs import compiler, numba_cuda
 from scenes import blob, everything, frontal, medium, volume
 from simulated import SEED, check_same, films_of
@@ -45,17 +45,6 @@ def scene_of(vol, **options):
 # Where the ball is
 NEAR = frontal(0.15, centre=(-0.03, 0.27, -0.59))
 SPECK = scene_of(speck(), camera=NEAR)
-
-
-def poisoned(medium):
-    """What a device has of a medium in bricks as an array, NaN where it has nothing."""
-    found, (slot, voxels) = np.full(medium.values.shape, np.nan, np.float32), medium.values[1:]
-    edge = int(packed.BRICK)
-    for place in np.argwhere(bricks.needed_bricks(medium)):
-        there = tuple(slice(n * edge, (n + 1) * edge) for n in place)
-        shape = found[there].shape
-        found[there] = voxels[(slot[tuple(place)], *map(slice, shape))]
-    return medium._replace(values=found)
 
 
 class Tight(FakeDevice):

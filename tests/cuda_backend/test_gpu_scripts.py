@@ -5,12 +5,14 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
-from fake_device import FakeDevice
+from fake_device import FakeDevice, poisoned
 
-from vtkmcvr import backends
+from vtkmcvr import backends, packed
 from vtkmcvr.film.moments import copy_film
 from vtkmcvr.gpu import available, device
+from vtkmcvr.gpu import bricks as needed
 from vtkmcvr.occlusion import carry_out
 
 SCRIPTS = Path(__file__).parents[1] / "gpu"
@@ -18,6 +20,7 @@ sys.path.insert(0, str(SCRIPTS))
 
 import agreement  # noqa: E402
 import film_shown  # noqa: E402
+import kept  # noqa: E402
 import occluded  # noqa: E402
 
 
@@ -62,6 +65,36 @@ def test_films_shown_alike_pass_and_a_bias_is_found(monkeypatch):
     assert film_shown.alike(SMALL)["passed"]
     monkeypatch.setattr(film_shown, "CudaDevice", Biased)
     assert not film_shown.alike(SMALL)["passed"]
+
+
+def test_live_pictures_alike_pass_and_a_bias_is_found(monkeypatch):
+    from vtkmcvr.live import work
+
+    monkeypatch.setattr(kept, "SINGLE", SMALL)
+    monkeypatch.setattr(work, "missing", lambda: None)
+    # One for each picture: the fake one works when it is waited for, by whoever waits
+    monkeypatch.setattr(work, "device", FakeDevice)
+    assert kept.live()["passed"]
+    monkeypatch.setattr(FakeDevice, "shown", lambda *_: np.zeros((24, 32, 4), np.uint8))
+    assert not kept.live()["passed"]
+
+
+def test_bricks_that_lack_voxels_are_found(monkeypatch):
+    monkeypatch.setattr(kept, "SIZE", SMALL.size)
+    monkeypatch.setattr(kept, "CudaDevice", FilledUp)
+    assert kept.bricks()["same_bits"]
+    monkeypatch.setattr(needed, "APRON", -30)
+    assert not kept.bricks()["passed"]
+
+
+class FilledUp(FakeDevice):
+    """A device that makes arrays of bricks, for the kernels of the CPU."""
+
+    def upload(self, part):
+        values = getattr(getattr(part, "medium", None), "values", None)
+        if isinstance(values, packed.Bricks):
+            part = part._replace(medium=poisoned(part.medium))
+        return super().upload(part)
 
 
 @pytest.fixture

@@ -19,6 +19,7 @@ sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parents[1])]
 import agreement  # noqa: E402
 import film_shown  # noqa: E402
 import first_picture  # noqa: E402
+import kept  # noqa: E402
 import occluded  # noqa: E402
 import several  # noqa: E402
 import speed  # noqa: E402
@@ -49,6 +50,8 @@ CHECKS = (
     ("occlusion_throughput", 120, occluded.throughput),
     ("denoising", 20, occluded.denoising),
     ("film_on_device", 20, film_shown.film_on_device),
+    ("live", 40, kept.live),
+    ("bricks", 40, kept.bricks),
     ("lookups", 40, lookups),
     ("several_devices", 30, several.several_devices),
     ("occlusion_hard_cases", 40, occluded.hard_cases),
