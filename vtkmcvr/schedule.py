@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import packed
-from .accuracy import ImageError, image_error, samples_for
+from .accuracy import ImageError, error_of, samples_for, totals_of
 from .adaptive import QUARTERS, Density, goals, level_of, level_with
 from .kernels.cpu import render_tile
 from .sight import fill_black, nothing_seen
@@ -200,12 +200,16 @@ class Runner:
     def _goals(self, target: int) -> NDArray[np.int64]:
         return goals(target, self.film.count.shape, self.density)
 
+    def _totals(self) -> packed.FilmTotals:
+        return totals_of(self.film)
+
     def _judge(self, done: int) -> None:
         """Stop where the error is small enough, or where there is no light at all."""
         if self.rules.nrms is None:
             return
-        self.error = image_error(self.film)
-        paths = int(self.film.count.sum())
+        totals = self._totals()
+        self.error = error_of(totals, self.film.mean.size)
+        paths = int(totals.paths)
         if done < self.least or paths < LEAST_PATHS:
             return
         if self.error.high <= self.rules.nrms:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from .. import checks
+from ..backends import BACKENDS, check_unused
 from ..camera import Lens
 from ..emission_absorption import EmissionAbsorption
 from ..lights import Light
@@ -66,6 +67,8 @@ class LiveSettings:
         Same seed, same picture; >= 0.
     threads : int, optional
         >= 1. Default: all CPUs that the process may use.
+    backend : {"auto", "cpu", "cuda"}
+        Who renders; "auto" takes CUDA where it can be used. Emission and absorption are the CPU's.
     preview : float
         Seconds that the first estimate of a new view may take, > 0; it has fewer pixels where it
         has to.
@@ -86,11 +89,13 @@ class LiveSettings:
     text: bool | None = None
     seed: int = 0
     threads: int | None = None
+    backend: str = "auto"
     preview: float = 0.06
 
     def __post_init__(self) -> None:
         checks.choice("technique", self.technique, TECHNIQUES)
         checks.choice("meshes", self.meshes, MESHES)
+        checks.choice("backend", self.backend, BACKENDS)
         checks.choice("scattering", self.scattering, ("single", "multiple"))
         for name in ("samples", "threads"):
             if getattr(self, name) is not None:
@@ -125,6 +130,8 @@ class LiveSettings:
         check_settings(
             self.technique, occlusion=self.occlusion, emission_absorption=self.emission_absorption
         )
+        if self.technique == "emission-absorption":
+            check_unused(self.backend, self.technique)
         if self.noiseless and self.meshes == "traced":
             raise ValueError(
                 f'technique "{self.technique}" traces no meshes: leave meshes at "drawn"'

@@ -164,7 +164,7 @@ class LiveView:
         backdrop = self._backdrop(place, props, CENTRE) if props.backdrop else None
         planned = self._planned(self._scene(place[2:], volumes, props, backdrop))
         self._settled = False
-        if self.settings.noiseless or is_compiled(planned):
+        if self.settings.noiseless or is_compiled(planned, self.settings):
             self._show(self._preview.estimate(planned, self.settings))
         else:
             # Until the kernels are there the picture is VTK's own
