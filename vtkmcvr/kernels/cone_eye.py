@@ -9,7 +9,8 @@ import math
 import numpy as np
 
 from .backdrop import close_openings, open_share
-from .cone_layers import SEGMENT, find_runs, secant
+from .cone_layers import SEGMENT, secant
+from .cone_runs import find_runs
 from .jit import device, kernel
 
 f32, index = np.float32, np.uintp
