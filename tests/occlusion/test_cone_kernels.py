@@ -14,7 +14,7 @@ from vtkmcvr.kernels.cone_beams import (
     rows_of_band,
     transmitted,
 )
-from vtkmcvr.kernels.cone_single import blur_columns, blur_rows
+from vtkmcvr.kernels.cone_blur import blur_columns, blur_rows
 from vtkmcvr.kernels.cone_transfer import mean_albedo, mean_extinction
 from vtkmcvr.occlusion.medium import integrals_of
 
@@ -142,11 +142,12 @@ def test_room_for_all_places_of_a_block():
 @pytest.mark.parametrize("axis", [0, 1])
 def test_running_blur_is_the_direct_sum(width, axis):
     a = np.random.default_rng(1).random((23, 31)).astype(f32)
-    out = np.empty_like(a)
+    out, whole = np.empty_like(a), (0, 23, 0, 31)
     if axis:
-        compiled(blur_rows)(a, out, f32(width))
+        part = compiled(blur_rows)(a, out, f32(width), whole)
     else:
-        compiled(blur_columns)(a, out, np.empty(31, f32), f32(width))
+        part = compiled(blur_columns)(a, out, np.zeros((2, 31), f32), f32(width), whole)
+    assert part == whole
     reach = int((width - 1) / 2)
     rest = (width - 1) / 2 - reach
     kernel = np.array([rest, *[1.0] * (2 * reach + 1), rest]) / width
@@ -156,12 +157,28 @@ def test_running_blur_is_the_direct_sum(width, axis):
     assert np.abs(out - expected).max() < 2e-6
 
 
+@pytest.mark.parametrize("width", [1.7, 5.3, 40.0])
+def test_a_blur_of_a_part_is_that_of_the_whole(width):
+    a = np.zeros((37, 45), f32)
+    a[12:19, 3:21] = np.random.default_rng(2).random((7, 18))
+    found = []
+    for part in ((12, 19, 3, 21), (0, 37, 0, 45)):
+        across, out = np.zeros_like(a), np.zeros_like(a)
+        reached = compiled(blur_rows)(a, across, f32(width), part)
+        reached = compiled(blur_columns)(across, out, np.zeros((2, 45), f32), f32(width), reached)
+        found.append(out)
+        beyond = np.ones(a.shape, bool)
+        beyond[reached[0] : reached[1], reached[2] : reached[3]] = False
+        assert not out[beyond].any()
+    assert np.abs(found[0] - found[1]).max() < 2e-6
+
+
 def test_the_blurs_variance_is_the_windows():
     a, out = np.zeros((1, 101), f32), np.zeros((1, 101), f32)
     a[0, 50] = 1
     blur = compiled(blur_rows)
     for width in (2.5, 9.0, 13.2):
-        blur(a, out, f32(width))
+        blur(a, out, f32(width), (0, 1, 50, 51))
         variance = (out[0] * (np.arange(101) - 50) ** 2).sum()
         assert out.sum() == pytest.approx(1, abs=1e-5)
         # Between whole widths the end pixels are thicker than a box's: at most 1/6 pixel^2
