@@ -11,6 +11,7 @@ from vtkmcvr.kernels.cone_beams import (
     held,
     held_throughout,
     mean_transmitted,
+    opacity,
     rows_of_band,
     transmitted,
 )
@@ -28,6 +29,17 @@ def test_transmittance_without_branches():
     T = np.array([call(x) for x in depth])
     assert np.abs(T - np.exp(-depth.astype(np.float64))).max() < 1e-5
     assert T[0] == 1 and T[-1] < 1e-20
+
+
+def test_opacity_of_faint_and_of_dense_layers():
+    # Six doublings of 1 - e^-(depth / 64), each of which keeps a relative error and adds 2 roundings
+    depth = np.concatenate([[0.0], np.geomspace(1e-12, 1e4, 400)]).astype(f32)
+    call = compiled(opacity)
+    found = np.array([call(x) for x in depth])
+    exact = -np.expm1(-depth.astype(np.float64))
+    assert found[0] == 0
+    assert np.abs(found[1:] / exact[1:] - 1).max() < 1.5e-6
+    assert found.max() <= 1
 
 
 def test_mean_transmittance_of_a_layer():

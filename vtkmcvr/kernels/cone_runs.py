@@ -19,21 +19,27 @@ def clear_planes(planes, layer, row, first, last):
 
 
 @device
+def find_runs_of_row(runs, columns, layer, row):
+    """Stretches of flagged segments in a row of a layer."""
+    n = 0
+    before = False
+    for segment in range(runs.flags.shape[2]):
+        now = runs.flags[layer, row, segment] > 0
+        if now:
+            if not before:
+                runs.start[layer, row, n] = segment * SEGMENT
+                n += 1
+            runs.end[layer, row, n - 1] = min((segment + 1) * SEGMENT, columns)
+        before = now
+    runs.count[layer, row] = n
+
+
+@device
 def find_runs(runs, columns, row_0, row_1):
     """Stretches of flagged segments in some rows of every layer."""
     for layer in range(runs.flags.shape[0]):
         for row in range(row_0, row_1):
-            n = 0
-            before = False
-            for segment in range(runs.flags.shape[2]):
-                now = runs.flags[layer, row, segment] > 0
-                if now:
-                    if not before:
-                        runs.start[layer, row, n] = segment * SEGMENT
-                        n += 1
-                    runs.end[layer, row, n - 1] = min((segment + 1) * SEGMENT, columns)
-                before = now
-            runs.count[layer, row] = n
+            find_runs_of_row(runs, columns, layer, row)
 
 
 @kernel

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from .. import packed
 from ..kernels.cone_compose import compose_rows
-from ..kernels.cone_eye import close_rows, look_rows
 from ..kernels.cone_fill import MOST_LAYERS, fill_rows
 from ..kernels.cone_layers import ROWS, SEGMENT
+from ..kernels.cone_look import close_rows, look_rows
 from ..kernels.cone_runs import clear_rows, list_runs
 from ..pack import f32
 from .medium import Filling
