@@ -15,7 +15,7 @@ from ..packed import Beam
 from .cone_layers import SEGMENT
 from .jit import device, kernel
 
-f32, i32, index = np.float32, np.int32, np.uintp
+f32, i32, i64, index = np.float32, np.int32, np.int64, np.uintp
 ZERO, HALF, ONE, TWO = f32(0.0), f32(0.5), f32(1.0), f32(2.0)
 SIXTH, TWENTY_FOURTH = f32(1.0 / 6.0), f32(1.0 / 24.0)
 STEP = f32(1.0 / SEGMENT)
@@ -112,33 +112,6 @@ def held(buffer, origin, y, x, rows, columns):
 
 
 @device
-def cone_weight(cone, lx, ly, x, y):
-    """Whether a direction lies in the cone, with a soft edge, per solid angle; and its secant."""
-    square = ONE + lx * lx + ly * ly
-    inverse = ONE / math.sqrt(square)
-    if cone.around_view:
-        upright = ONE / math.sqrt(ONE + x * x + y * y)
-        cosine = (ONE - lx * x - ly * y) * inverse * upright
-    else:
-        cosine = (lx * cone.axis[0] + ly * cone.axis[1] + cone.axis[2]) * inverse
-    share = min(max((cosine - cone.cosine) * cone.per_cosine + HALF, ZERO), ONE)
-    return share * inverse * inverse * inverse, square * inverse
-
-
-@device
-def direction_at(perspective, cone, beam, zoom, row, column):
-    """Length of a beam's path per depth, as seen at a pixel, and its weight there."""
-    if perspective is None:
-        square = beam.sideways_x * beam.sideways_x + beam.sideways_y * beam.sideways_y
-        return math.sqrt(ONE + square), beam.weight
-    x = (f32(column) + HALF - perspective.eye_column) * perspective.slope
-    y = (f32(row) + HALF - perspective.eye_row) * perspective.slope
-    lx, ly = beam.sideways_x * zoom - x, beam.sideways_y * zoom - y
-    share, secant = cone_weight(cone, lx, ly, x, y)
-    return secant, share * beam.weight
-
-
-@device
 def eye_secant(perspective, row, column):
     """Length of the view ray per depth."""
     if perspective is None:
@@ -149,14 +122,59 @@ def eye_secant(perspective, row, column):
 
 
 @device
+def cone_weight(cone, lx, ly, x, y, upright):
+    """Whether a direction lies in the cone, with a soft edge, per solid angle; and its secant.
+
+    `upright` is the cosine of the view ray, which goes by (x, y) per depth.
+    """
+    square = ONE + lx * lx + ly * ly
+    inverse = ONE / math.sqrt(square)
+    if cone.around_view:
+        cosine = (ONE - lx * x - ly * y) * inverse * upright
+    else:
+        cosine = (lx * cone.axis[0] + ly * cone.axis[1] + cone.axis[2]) * inverse
+    share = min(max((cosine - cone.cosine) * cone.per_cosine + HALF, ZERO), ONE)
+    return share * inverse * inverse * inverse, square * inverse
+
+
+@device
+def direction_by(perspective, cone, beam, zoom, row, column, upright):
+    """Length of a beam's path per depth, as seen at a pixel, and its weight there.
+
+    `upright` is the cosine of the pixel's view ray.
+    """
+    if perspective is None:
+        square = beam.sideways_x * beam.sideways_x + beam.sideways_y * beam.sideways_y
+        return math.sqrt(ONE + square), beam.weight
+    x = (f32(column) + HALF - perspective.eye_column) * perspective.slope
+    y = (f32(row) + HALF - perspective.eye_row) * perspective.slope
+    lx, ly = beam.sideways_x * zoom - x, beam.sideways_y * zoom - y
+    share, secant = cone_weight(cone, lx, ly, x, y, upright)
+    return secant, share * beam.weight
+
+
+@device
+def direction_at(perspective, cone, beam, zoom, row, column):
+    """The same where nothing is known of the view ray."""
+    upright = ONE / eye_secant(perspective, row, column)
+    return direction_by(perspective, cone, beam, zoom, row, column, upright)
+
+
+@device
+def run_of(runs, run):
+    """Row of a run, its first column, and how many it has."""
+    start = i64(runs.listed[run, 1])
+    return i64(runs.listed[run, 0]), start, i64(runs.listed[run, 2]) - start
+
+
+@device
 def attenuate(buffer, origin, depth, runs, layer, y, x, share, rows):
     """Add `share` of a layer's optical depth to the rays that cross some rows of it."""
-    shift = -x - origin[1]
     for run in range(runs.before[layer, rows[0]], runs.before[layer, rows[1]]):
-        row = runs.listed[run, 0]
-        j = index(row - y - origin[0])
-        for column in range(runs.listed[run, 1], runs.listed[run, 2]):
-            buffer[j, index(column + shift)] += share * depth[layer, row, index(column)]
+        row, start, count = run_of(runs, run)
+        j, first, column = index(row - y - origin[0]), index(start - x - origin[1]), index(start)
+        for i in range(count):
+            buffer[j, first + index(i)] += share * depth[layer, row, column + index(i)]
 
 
 @device
@@ -169,53 +187,108 @@ def relieved(relief, layer, row, column, depth):
 
 @device
 def gather(
-    perspective, cone, beam, zoom, bright, buffer, origin, layers, tinted, runs, layer, y, x, rows,
-    light, weight,
+    perspective, slants, cone, beam, zoom, bright, buffer, origin, layers, tinted, runs, layer, y,
+    x, rows, light, weight,
 ):  # fmt: skip
     """Read the beam wherever the eye sees anything in some rows of a layer.
 
     `bright`: not where it sees little.
 
-    Weight and path length of the direction go evenly over a span of columns.
+    Weight and path length of the direction go evenly over a span of columns; `slants` has the view
+    rays' between segments.
     """
-    depth, relief = layers.depth, layers.relief
-    shift = -x - origin[1]
     span = span_of(perspective)
     per_column = ONE / f32(span)
     for run in range(runs.before[layer, rows[0]], runs.before[layer, rows[1]]):
-        row, start, end = runs.listed[run, 0], runs.listed[run, 1], runs.listed[run, 2]
-        j = index(row - y - origin[0])
+        row, start, count = run_of(runs, run)
+        end = start + count
         slot = runs.slot[run] - start
         for begin in range(start, end, span):
-            s0, w0 = direction_at(perspective, cone, beam, zoom, row, begin)
-            s1, w1 = direction_at(perspective, cone, beam, zoom, row, begin + span)
-            e0 = eye_secant(perspective, row, begin)
-            e1 = eye_secant(perspective, row, begin + span)
+            stop = min(begin + span, end)
+            first = lit_from(bright, runs.flags, layer, row, begin, stop)
+            if first == stop:
+                continue
+            e0, u0 = slant_at(slants, row, begin)
+            e1, u1 = slant_at(slants, row, begin + span)
+            s0, w0 = direction_by(perspective, cone, beam, zoom, row, begin, u0)
+            s1, w1 = direction_by(perspective, cone, beam, zoom, row, begin + span, u1)
             if max(w0, w1) <= ZERO:
                 continue
             ds, dw, de = (s1 - s0) * per_column, (w1 - w0) * per_column, (e1 - e0) * per_column
-            for first in range(begin, min(begin + span, end), SEGMENT):
-                if bright and runs.flags[layer, row, first // SEGMENT] == 1:
-                    continue
+            while first < stop:
+                last = lit_to(bright, runs.flags, layer, row, first, stop)
                 along = f32(first - begin)
-                s, w, e = s0 + ds * along, w0 + dw * along, e0 + de * along
-                segment = index((slot + first) // SEGMENT)
-                weight[segment, 0] += w
-                weight[segment, 1] += w + dw * f32(SEGMENT)
-                for i in range(SEGMENT):
-                    column = index(first + i)
-                    f = f32(i)
-                    sec = s + ds * f
-                    T = transmitted(
-                        sec
-                        * relieved(relief, layer, row, column, buffer[j, index(first + i + shift)])
-                    )
-                    path = (
-                        depth[layer, row, column] * (e + de * f) + tinted[layer, row, column] * sec
-                    )
-                    light[index(slot + first + i)] += (w + dw * f) * min(
-                        T * mean_transmitted(path), ONE
-                    )
+                w = w0 + dw * along
+                weigh(weight, (slot + first) // SEGMENT, (slot + last) // SEGMENT, w, dw)
+                read(
+                    buffer, layers, tinted, light, layer, row, row - y - origin[0], first,
+                    first - x - origin[1], slot + first, last - first, s0 + ds * along, ds, w, dw,
+                    e0 + de * along, de,
+                )  # fmt: skip
+                first = lit_from(bright, runs.flags, layer, row, last, stop)
+
+
+@device
+def read(
+    buffer, layers, tinted, light, layer, row, ray_row, column, ray, slot, count, s, ds, w, dw, e,
+    de,
+):  # fmt: skip
+    """Read the beam at some columns of a row: vector code.
+
+    Path length s of the direction, its weight w and path length e of the view ray grow by ds, dw
+    and de per column.
+    """
+    row, ray_row = index(row), index(ray_row)
+    column, ray, slot = index(column), index(ray), index(slot)
+    for n in range(count):
+        i, f = index(n), f32(i32(n))
+        sec = s + ds * f
+        T = transmitted(
+            sec * relieved(layers.relief, layer, row, column + i, buffer[ray_row, ray + i])
+        )
+        path = (
+            layers.depth[layer, row, column + i] * (e + de * f)
+            + tinted[layer, row, column + i] * sec
+        )
+        light[slot + i] += (w + dw * f) * min(T * mean_transmitted(path), ONE)
+
+
+@device
+def weigh(weight, first, end, w, dw):
+    """Add a direction's weight at both ends of segments."""
+    for segment in range(first, end):
+        k = index(segment)
+        weight[k, 0] += w
+        w += dw * f32(SEGMENT)
+        weight[k, 1] += w
+
+
+@device
+def lit_from(bright, flags, layer, row, first, end):
+    """Where a stretch begins that a beam lights; `bright`: not where the eye sees little."""
+    if bright:
+        while first < end and flags[layer, row, first // SEGMENT] == 1:
+            first += SEGMENT
+    return first
+
+
+@device
+def lit_to(bright, flags, layer, row, first, end):
+    """Where such a stretch ends."""
+    if not bright:
+        return end
+    while first < end and flags[layer, row, first // SEGMENT] != 1:
+        first += SEGMENT
+    return first
+
+
+@device
+def slant_at(slants, row, column):
+    """Secant and cosine of the view ray at the left edge of a segment; see `Raster.slants`."""
+    if slants is None:
+        return ONE, ONE
+    k = index(column // SEGMENT)
+    return slants[row, k, 0], slants[row, k, 1]
 
 
 @device
@@ -250,7 +323,7 @@ def rows_of_band(band, bands, rows, moved):
 
 @device
 def trace_beam(
-    perspective, cone, beam, bright, buffer, origin, places, first, zooms, layers, tinted, filled,
+    perspective, slants, cone, beam, bright, buffer, origin, places, first, zooms, layers, tinted, filled,
     visible, light, weight, band, bands,
 ):  # fmt: skip
     """Take the rays of a band of one beam through a block of layers."""
@@ -262,8 +335,8 @@ def trace_beam(
         if bands == 1:
             held(buffer, origin, y, x, rows, columns)
         gather(
-            perspective, cone, beam, zooms[layer], bright, buffer, origin, layers, tinted, visible,
-            layer, y, x, rows_of_band(band, bands, rows, y - home), light, weight,
+            perspective, slants, cone, beam, zooms[layer], bright, buffer, origin, layers, tinted,
+            visible, layer, y, x, rows_of_band(band, bands, rows, y - home), light, weight,
         )  # fmt: skip
         for place in range(a, b):
             y, x = places[place, 0], places[place, 1]
@@ -277,7 +350,7 @@ def trace_beam(
 
 @kernel
 def trace_beams(
-    perspective, cone, beams, members, bright, buffers, origins, places, first, start, zooms,
+    perspective, slants, cone, beams, members, bright, buffers, origins, places, first, start, zooms,
     layers, tinted, filled, visible, light, weight, spare, bands,
 ):  # fmt: skip
     """Take some beams through a block of layers: what the eye sees of them, and their shadows.
@@ -302,7 +375,7 @@ def trace_beams(
                 fits = held_throughout(buffer, origin, places[own[0] : own[count]], rows, columns)
                 if fits or band == 0:
                     trace_beam(
-                        perspective, cone, beam, bright, buffer, origin, places, own, zooms,
+                        perspective, slants, cone, beam, bright, buffer, origin, places, own, zooms,
                         layers, tinted[channel], filled, visible, light[channel],
                         weight if channel == 0 else spare, band, bands if fits else 1,
                     )  # fmt: skip

@@ -45,6 +45,7 @@ class Traced:
     def __init__(self, raster: Raster, beams: Beams, colours: int):
         self.raster, self.beams, self.colours = raster, beams, colours
         self.tiers = len(beams) >= MANY
+        self.slants = raster.slants
         self.members = _groups(len(beams))
         routes = beams.routes(raster)
         before = np.cumsum([0, *(len(route.places) for route in routes)])[:-1]
@@ -73,7 +74,7 @@ class Traced:
         sums[:, :slots] = 0
         weights[: slots // SEGMENT] = 0
         trace_beams(
-            perspective, self.beams.cone, self.table, self.members[group],
+            perspective, self.slants, self.beams.cone, self.table, self.members[group],
             self.tiers and group >= FAINT_GROUPS, self.buffers, self.origins, self.places,
             self.first, block.start, zooms, layers,
             layers.depth[None] if layers.tinted is None else layers.tinted,
