@@ -7,15 +7,10 @@ import pytest
 from compiled import compiled
 
 from vtkmcvr import packed
-from vtkmcvr.kernels.cone_beams import (
-    held,
-    held_throughout,
-    mean_transmitted,
-    opacity,
-    rows_of_band,
-    transmitted,
-)
+from vtkmcvr.kernels.cone_beams import mean_transmitted, opacity, transmitted
 from vtkmcvr.kernels.cone_blur import blur_columns, blur_rows
+from vtkmcvr.kernels.cone_buffer import held, held_throughout, ring_row
+from vtkmcvr.kernels.cone_trace import rows_of_band
 from vtkmcvr.kernels.cone_transfer import mean_albedo, mean_extinction
 from vtkmcvr.occlusion.medium import integrals_of
 
@@ -100,32 +95,42 @@ def test_albedo_is_weighted_by_extinction(integrals):
 
 
 def test_a_moved_buffer_keeps_its_rays():
-    rng, move = np.random.default_rng(0), compiled(held)
+    rng, move, kept = np.random.default_rng(0), compiled(held), compiled(ring_row)
     rows, columns, room = 5, 7, 6
-    buffer = np.zeros((rows + room, columns + room), f32)
-    origin = np.array([-3, -3])
-    rays = {}
+    buffer = np.zeros((rows + 2, columns + room), f32)
+    origin = np.array([0, -3, 0])
+    rays, held_before = {}, set()
     y = x = 0
-    for _ in range(200):
+    for _ in range(400):
         move(buffer, origin, y, x, rows, columns)
-        for j in range(-y, rows - y):
-            for i in range(-x, columns - x):
-                value = buffer[j - origin[0], i - origin[1]]
-                assert value in (0, rays.get((j, i), 0))
-                rays[j, i] = buffer[j - origin[0], i - origin[1]] = rng.random(dtype=f32)
-        # Rays that have left the film come back clear or as they were
+        there = {(j, i) for j in range(-y, rows - y) for i in range(-x, columns - x)}
+        for j, i in sorted(there):
+            place = kept(buffer, origin, j), i - origin[1]
+            # Rays that were beyond the film come back clear or as they were
+            assert buffer[place] == rays.get((j, i), 0) or (
+                buffer[place] == 0 and (j, i) not in held_before
+            )
+            rays[j, i] = buffer[place] = rng.random(dtype=f32)
+        held_before = there
         y, x = y + rng.integers(-2, 3), x + rng.integers(-4, 5)
 
 
 def test_a_ray_that_stays_on_the_film_is_never_lost():
-    buffer, origin = np.zeros((20, 20), f32), np.array([-5, -5])
-    move = compiled(held)
+    buffer, origin = np.zeros((14, 20), f32), np.array([0, -5, 0])
+    move, kept = compiled(held), compiled(ring_row)
     move(buffer, origin, 0, 0, 10, 10)
-    buffer[4 - origin[0], 4 - origin[1]] = 1
+    buffer[kept(buffer, origin, 4), 4 - origin[1]] = 1
     for shift in range(5):
         move(buffer, origin, shift, -shift, 10, 10)
-        assert buffer[4 - origin[0], 4 - origin[1]] == 1
+        assert buffer[kept(buffer, origin, 4), 4 - origin[1]] == 1
         assert buffer.sum() == 1
+
+
+def test_far_moves_clear_the_whole_ring():
+    buffer, origin = np.ones((14, 20), f32), np.array([0, -5, 0])
+    compiled(held)(buffer, origin, -40, 0, 10, 10)
+    assert not buffer.any()
+    assert origin[0] + 14 == 40 + 10
 
 
 def test_bands_hold_every_row_once():
@@ -141,7 +146,7 @@ def test_bands_hold_every_row_once():
 
 def test_room_for_all_places_of_a_block():
     move = compiled(held_throughout)
-    buffer, origin = np.zeros((30, 30), f32), np.array([-10, -10])
+    buffer, origin = np.zeros((30, 30), f32), np.array([-10, -10, 0])
     places = np.array([(0, 0), (4, -3), (9, -6)])
     assert move(buffer, origin, places, 10, 10)
     for y, x in places:

@@ -8,7 +8,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 import numpy as np
 from numpy.typing import NDArray
 
-from ..kernels.cone_beams import trace_beams
+from ..kernels.cone_trace import trace_beams
 from ..kernels.cone_layers import SEGMENT
 from ..pack import f32
 from .beams import Beams
@@ -24,8 +24,8 @@ MANY = 24
 # Rays are taken in bands of rows in which the eye sees so many pixels of a block's layers, but not
 # fewer rows: that much of all arrays fits into a core's cache
 BAND, TALL = 8192, 32
-# Room of a beam's buffer around the film, pixels
-ROOM = 192
+# Room of a beam's buffer beside the film, pixels, and rows more than the film's
+ROOM, MORE_ROWS = 192, 64
 
 
 class Traced:
@@ -52,9 +52,9 @@ class Traced:
         self.places = np.concatenate([route.places for route in routes])
         self.first = np.array([a + r.first for a, r in zip(before, routes, strict=True)])
         self.table = np.column_stack([beams.sideways, beams.weight]).astype(f32)
-        rows, columns = raster.rows + 2 * ROOM, raster.columns + 2 * ROOM
+        rows, columns = raster.rows + MORE_ROWS, raster.columns + 2 * ROOM
         self.buffers = np.zeros((len(beams), colours, rows, columns), f32)
-        self.origins = np.full((len(beams), colours, 2), -ROOM, np.int64)
+        self.origins = np.tile(np.array([0, -ROOM, 0]), (len(beams), colours, 1))
 
     def through(
         self, block: Block, sums: NDArray, weights: NDArray, slots: int, pool: ThreadPoolExecutor
