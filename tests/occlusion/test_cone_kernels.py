@@ -27,7 +27,7 @@ def test_transmittance_without_branches():
 
 
 def test_opacity_of_faint_and_of_dense_layers():
-    # Six doublings of 1 - e^-(depth / 64), each of which keeps a relative error and adds 2 roundings
+    # Six squarings of e^-(depth / 64), each of which keeps a relative error and adds 2 roundings
     depth = np.concatenate([[0.0], np.geomspace(1e-12, 1e4, 400)]).astype(f32)
     call = compiled(opacity)
     found = np.array([call(x) for x in depth])

@@ -31,7 +31,8 @@ def attenuate(buffer, origin, depth, runs, layer, y, x, share, rows):
     """Add `share` of a layer's optical depth to the rays that cross some rows of it."""
     for run in range(runs.before[layer, rows[0]], runs.before[layer, rows[1]]):
         row, start, count = run_of(runs, run)
-        j, first, column = ring_row(buffer, origin, row - y), index(start - x - origin[1]), index(start)
+        j, column = ring_row(buffer, origin, row - y), index(start)
+        first = index(start - x - origin[1])
         for i in range(count):
             buffer[j, first + index(i)] += share * depth[layer, row, column + index(i)]
 
@@ -54,6 +55,7 @@ def gather(
         row, start, count = run_of(runs, run)
         end = start + count
         slot = runs.slot[run] - start
+        j = ring_row(buffer, origin, row - y)
         for begin in range(start, end, span):
             stop = min(begin + span, end)
             first = lit_from(bright, runs.flags, layer, row, begin, stop)
@@ -72,9 +74,8 @@ def gather(
                 w = w0 + dw * along
                 weigh(weight, (slot + first) // SEGMENT, (slot + last) // SEGMENT, w, dw)
                 read(
-                    buffer, layers, tinted, light, layer, row, ring_row(buffer, origin, row - y), first,
-                    first - x - origin[1], slot + first, last - first, s0 + ds * along, ds, w, dw,
-                    e0 + de * along, de,
+                    buffer, layers, tinted, light, layer, row, j, first, first - x - origin[1],
+                    slot + first, last - first, s0 + ds * along, ds, w, dw, e0 + de * along, de,
                 )  # fmt: skip
                 first = lit_from(bright, runs.flags, layer, row, last, stop)
 
@@ -151,8 +152,8 @@ def rows_of_band(band, bands, rows, moved):
 
 @device
 def trace_beam(
-    perspective, slants, cone, beam, bright, buffer, origin, places, first, zooms, layers, tinted, filled,
-    visible, light, weight, band, bands,
+    perspective, slants, cone, beam, bright, buffer, origin, places, first, zooms, layers, tinted,
+    filled, visible, light, weight, band, bands,
 ):  # fmt: skip
     """Take the rays of a band of one beam through a block of layers."""
     count, rows, columns = layers.depth.shape
@@ -178,8 +179,8 @@ def trace_beam(
 
 @kernel
 def trace_beams(
-    perspective, slants, cone, beams, members, bright, buffers, origins, places, first, start, zooms,
-    layers, tinted, filled, visible, light, weight, spare, bands,
+    perspective, slants, cone, beams, members, bright, buffers, origins, places, first, start,
+    zooms, layers, tinted, filled, visible, light, weight, spare, bands,
 ):  # fmt: skip
     """Take some beams through a block of layers: what the eye sees of them, and their shadows.
 

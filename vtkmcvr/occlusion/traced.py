@@ -8,8 +8,8 @@ from concurrent.futures import Future, ThreadPoolExecutor
 import numpy as np
 from numpy.typing import NDArray
 
-from ..kernels.cone_trace import trace_beams
 from ..kernels.cone_layers import SEGMENT
+from ..kernels.cone_trace import trace_beams
 from ..pack import f32
 from .beams import Beams
 from .raster import Raster
