@@ -1,10 +1,10 @@
 """How much of what beams meet is ever read: what leaving the rest out could save.
 
-Each addition to a beam, in any layer, goes to a ray; it matters where that ray passes a pixel later
-that the eye still sees then. Two counts of the additions that matter: `seen`, by what the eye really
-sees of the later layers, which only a second sweep would know; and `open`, by the view rays that
-have not ended yet, which is all that is known at the time (HC-91). Counted by blocks of layers, for
-every few beams and blocks.
+Each addition to a beam, in any layer, goes to a ray; something comes of it where the eye sees a
+pixel that the ray passes later. Two counts of such additions: `seen`, by what the eye really sees
+of the later layers, which only a second sweep for the eye alone would know; and `open`, by all view
+rays that have not ended yet and have medium before them, beside any of which the rule of HC-91
+keeps light. Counted by blocks of layers, for every few beams and blocks.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ def shares(scene: Scene, occlusion: Occlusion) -> dict[str, float]:
     """Shares of the additions to beams that matter."""
     notes = _noted(scene, occlusion)
     seen = [n[1] for n in notes]
-    # View rays that see anything in this block or later are open
+    # View rays that see anything in this block or behind it
     still = np.logical_or.accumulate(seen[::-1])[::-1]
     total = dict.fromkeys(("all", "seen", "open"), 0.0)
     for beam in range(0, len(notes[0][2]), BEAMS):
