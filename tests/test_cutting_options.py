@@ -14,8 +14,8 @@ from vtkmcvr.commands.cutting import (
 from vtkmcvr.commands.labelling import coloured_labels
 from vtkmcvr.cutting import SUBVOLUME, Plane
 from vtkmcvr.front import scene_of
+from vtkmcvr.recorded_facts import Segment
 from vtkmcvr.scene import Volume
-from vtkmcvr.volume_info import Segment
 
 
 def parsed(*words):

@@ -8,8 +8,8 @@ from vtkmodules.vtkCommonDataModel import vtkImageData
 from vtkmcvr.cli import main
 from vtkmcvr.front import scene_of
 from vtkmcvr.phantom import head_phantom
+from vtkmcvr.recorded_facts import record_facts
 from vtkmcvr.scene import Volume
-from vtkmcvr.volume_info import record_facts
 from vtkmcvr.vtk_bridge.single import single_volume
 
 

@@ -8,9 +8,9 @@ from real_volumes import real_path
 from vtkmcvr.cli import main
 from vtkmcvr.front import scene_of
 from vtkmcvr.phantom import head_phantom
+from vtkmcvr.recorded_facts import Segment
 from vtkmcvr.scene import Volume
 from vtkmcvr.segmentation import Segmentation, paint
-from vtkmcvr.volume_info import Segment
 
 NAMES = (
     Segment(1, "liver", (0.8, 0.2, 0.2)), Segment(2, "kidney_left", (0.2, 0.8, 0.2)),

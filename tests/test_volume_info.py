@@ -10,7 +10,9 @@ import pyvista
 from vtkmodules.vtkCommonDataModel import vtkImageData
 
 from vtkmcvr import volume_info as module
-from vtkmcvr.volume_info import format_info, record_facts, volume_info
+from vtkmcvr.commands.info_page import format_info
+from vtkmcvr.recorded_facts import record_facts
+from vtkmcvr.volume_info import volume_info
 
 
 def image_of(values: np.ndarray, size: tuple[int, int, int] = (10, 20, 30)) -> pyvista.ImageData:

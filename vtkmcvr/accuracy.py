@@ -12,10 +12,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .film.error import variance
-from .packed import Film
+from .packed import Film, FilmTotals
 
 # Two-sided 95 % of the normal distribution
 Z95 = 1.959964
@@ -47,18 +46,43 @@ class ImageError:
 
 
 def image_error(film: Film) -> ImageError:
-    """Error of a film, estimated from its own moments.
+    """Error of a film, estimated from its own moments."""
+    return error_of(totals_of(film), film.mean.size)
+
+
+def totals_of(film: Film) -> FilmTotals:
+    """Sums over the pixels of a film, which say what its error is."""
+    v = variance(film)
+    unknown = np.count_nonzero(~np.isfinite(v).all(-1))
+    counts = (
+        float(film.count.sum()), float(film.count.min()), float(np.count_nonzero(film.mean)),
+        float(unknown),
+    )  # fmt: skip
+    if unknown:
+        return FilmTotals(*counts, 0.0, 0.0, 0.0, 0.0, 0.0)
+    noise, squares = v.sum(-1), film.mean * film.mean
+    return FilmTotals(
+        *counts,
+        noise=float(noise.sum()),
+        noise_squares=float((noise * noise).sum()),
+        squares=float(squares.sum()),
+        crossed=float((squares * v).sum()),
+        variance_squares=float((v * v).sum()),
+    )
+
+
+def error_of(totals: FilmTotals, size: int) -> ImageError:
+    """Error of a film of `size` means, pixels times channels, by its totals.
 
     The mean square of the estimate exceeds that of the truth by the noise, which is taken off.
     """
-    bright = bool((film.mean != 0).any())
-    v = variance(film)
-    if not np.isfinite(v).all():
+    bright = totals.bright > 0
+    if totals.unknown:
         return ImageError(math.inf, 0.0, math.inf, 0.0, bright)
     if not bright:
         return ImageError(0.0, 0.0, math.inf, 0.0, bright)
-    noise, noise_spread = _mean_and_spread(v.sum(-1))
-    power, power_spread = _power(film.mean, v)
+    noise, noise_spread = _mean_and_spread(totals, size)
+    power, power_spread = _power(totals, size)
     return ImageError(
         _ratio(noise, power),
         _ratio(max(noise - Z95 * noise_spread, 0.0), power + Z95 * power_spread),
@@ -68,25 +92,24 @@ def image_error(film: Film) -> ImageError:
     )
 
 
-def _mean_and_spread(v: NDArray[np.float64]) -> tuple[float, float]:
+def _mean_and_spread(totals: FilmTotals, size: int) -> tuple[float, float]:
     """Mean of the variances of pixels, per channel, and a bound of its standard error.
 
     With independent pixels Var(sum v) = sum Var(v) <= sum E(v^2): one pixel that carries all the
     noise makes the error as large as the estimate (nobody knows how many more there are), n equal
     pixels make it sqrt(n) times smaller.
     """
-    scale = 1.0 / (3 * v.size)
-    return float(v.sum()) * scale, math.sqrt(float((v * v).sum())) * scale
+    return totals.noise / size, math.sqrt(totals.noise_squares) / size
 
 
-def _power(mean: NDArray[np.float64], v: NDArray[np.float64]) -> tuple[float, float]:
+def _power(totals: FilmTotals, size: int) -> tuple[float, float]:
     """Mean square of the truth and its standard error, from means with variances v.
 
     For a normal mean m of variance v: E(m^2) = truth^2 + v and Var(m^2) = 4 truth^2 v + 2 v^2.
     Channels of a pixel may rise and fall together, hence the factor 3.
     """
-    power = float(np.mean(mean * mean) - np.mean(v))
-    spread = math.sqrt(3 * float((4 * mean * mean * v + 2 * v * v).sum())) / mean.size
+    power = (totals.squares - totals.noise) / size
+    spread = math.sqrt(3 * (4 * totals.crossed + 2 * totals.variance_squares)) / size
     return power, spread
 
 

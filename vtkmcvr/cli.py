@@ -1,4 +1,4 @@
-"""Command line: `vtkmcvr demo | render | cost | replay | info | presets | warmup`."""
+"""Command line: `vtkmcvr demo | render | view | cost | replay | info | presets | warmup`."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from .commands.info import add_info
 from .commands.presets import add_presets
 from .commands.render import add_demo, add_render
 from .commands.replay import add_replay
+from .commands.view import add_view
 from .commands.warmup import add_warmup
 from .gpu.errors import CudaError
 
@@ -52,7 +53,9 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"vtkmcvr {__version__}")
     commands = parser.add_subparsers(required=True, metavar="command")
-    for add in (add_demo, add_render, add_replay, add_cost, add_info, add_presets, add_warmup):
+    for add in (
+        add_demo, add_render, add_view, add_replay, add_cost, add_info, add_presets, add_warmup,
+    ):  # fmt: skip
         add(commands)
     return parser
 

@@ -21,13 +21,12 @@ from .presets.framing import view_of_slab
 from .presets.overlay import with_overlay
 from .presets.recorded import chosen_labels
 from .presets.solids import as_solids, with_segmentation
+from .recorded_facts import modality, segments, units
 from .rendering import render_scene
 from .scene import Camera, Scene, TransferFunction, Volume
 from .schedule import Progress
 from .segmentation import Segmentation
 from .studio import View, view_camera
-from .volume_info import modality, segments, units
-from .vtk_bridge.single import single_volume
 
 TECHNIQUES = ("monte-carlo", *NOISELESS)
 # sRGB colour behind presets
@@ -114,6 +113,8 @@ def _volume_and_facts(data: Any) -> tuple[Volume, dict[str, str], tuple[str, ...
     """Volume; units and modality where a reader recorded them; notes on its components."""
     if isinstance(data, Volume):
         return data, {"units": "", "modality": ""}, ()
+    from .vtk_bridge.single import single_volume
+
     volume, noted = single_volume(data)
     modal = "SEG" if segments(data) else modality(data)
     if volume.colours is not None:

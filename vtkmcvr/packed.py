@@ -12,7 +12,7 @@ or a Fortran-ordered array would compile everything anew.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,10 +27,36 @@ Matrix64 = tuple[Vector64, Vector64, Vector64]
 BATCH = 16
 
 
+# Voxels along each axis of a brick; unsigned, as indices of voxels are
+BRICK = np.uintp(32)
+
+
+class Bricks(NamedTuple):
+    """Voxels in bricks, [k, j, i] like an array of the volume, without those that nobody reads.
+
+    For devices without room for the volume: kernels of the CPU know arrays alone.
+    """
+
+    shape: tuple[np.int64, np.int64, np.int64]  # of the volume
+    slot: NDArray[np.uint32]  # [k, j, i] of bricks: which one in `voxels`
+    voxels: NDArray  # (n, BRICK, BRICK, BRICK)
+
+    def __getitem__(self, place: Any) -> Any:
+        """Voxel at (k, j, i), as kernels have it; a field by its number."""
+        return voxel(self, place) if isinstance(place, tuple) else tuple.__getitem__(self, place)
+
+
+def voxel(bricks: Any, place: Any) -> Any:
+    """Voxel at (k, j, i); kernels compile it."""
+    k, j, i = place
+    slot = bricks.slot[k // BRICK, j // BRICK, i // BRICK]
+    return bricks.voxels[slot, k % BRICK, j % BRICK, i % BRICK]
+
+
 class Medium(NamedTuple):
     """The scalar field with its majorant grid."""
 
-    values: NDArray  # [k, j, i], at least two points an axis
+    values: NDArray  # [k, j, i], at least two points an axis; on a device perhaps Bricks
     majorant: NDArray[
         np.float32
     ]  # [k, j, i] of cells: bound of sigma_t; <= 0: empty, minus cells around
@@ -459,6 +485,33 @@ class Film(NamedTuple):
     cover: NDArray[np.float64] | None  # (H, W) mean of what veils leave of the hits
 
 
+class FilmTotals(NamedTuple):
+    """Sums over the pixels of a film; v is the variance of a mean, m the mean.
+
+    While any pixel is unknown, the sums after that say nothing.
+    """
+
+    paths: float
+    least: float  # fewest samples of a pixel
+    bright: float  # means that are not 0
+    unknown: float  # pixels whose variance is unknown
+    noise: float  # v
+    noise_squares: float  # square of the v of a pixel's three channels together
+    squares: float  # m^2
+    crossed: float  # m^2 v
+    variance_squares: float  # v^2
+
+
+class Screen(NamedTuple):
+    """How a film is displayed; see `vtkmcvr.screen.Display`."""
+
+    scale: np.float32  # of the radiance, before the curve
+    film_like: np.bool_  # tone curve of Exposure Render; otherwise cut off at 1
+    power: np.float32  # by which light is encoded; 0: sRGB
+    window: NDArray[np.float32] | None  # weights of the film filter along an axis
+    background: Vector | None  # linear display light
+
+
 class Integrals(NamedTuple):
     """Integrals of a transfer function from its first table entry on, over entries.
 
@@ -662,6 +715,14 @@ class PublishedTable(NamedTuple):
     secants: NDArray[np.float32]  # [sample]
     exact: np.bool_
     missing: NDArray[np.float32]  # [before or behind, row, column], by turns
+
+
+class SweptLight(NamedTuple):
+    """How light goes through layers on a device: one of these."""
+
+    beams: BeamTable | None
+    blurred: BlurTable | None
+    published: PublishedTable | None
 
 
 class FilledVolume(NamedTuple):

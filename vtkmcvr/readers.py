@@ -17,7 +17,7 @@ from .reading.raw import RawLayout
 from .reading.resample import is_sheared, to_box
 from .reading.source import amount, check_memory, chosen_volume, time_notes
 from .reading.volume import LoadedVolume, check_geometry
-from .volume_info import Segment, modality, notes, segments, units
+from .recorded_facts import Segment, modality, notes, segments, units
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import packed
-from .accuracy import ImageError, image_error, samples_for
+from .accuracy import ImageError, error_of, samples_for, totals_of
 from .adaptive import QUARTERS, Density, goals, level_of, level_with
 from .kernels.cpu import render_tile
 from .sight import fill_black, nothing_seen
@@ -27,7 +27,10 @@ Tile = tuple[int, int, int, int]
 
 # Work between two looks at abort and deadline, and length of a pass, in seconds
 TILE_SECONDS, PASS_SECONDS, POLL_SECONDS = 0.02, 0.5, 0.02
-FIRST_TILE, LARGEST_TILE = 64, 64
+# The first is before the time of a path is known
+FIRST_TILE, LARGEST_TILE = 32, 64
+# Work that a pause waits for: a frame is about to be drawn
+PAUSABLE_SECONDS = 0.004
 PAUSE_SECONDS = 1.0
 COMPILE_MESSAGE_AFTER = 1.0
 UNLIMITED = 2**40
@@ -197,12 +200,16 @@ class Runner:
     def _goals(self, target: int) -> NDArray[np.int64]:
         return goals(target, self.film.count.shape, self.density)
 
+    def _totals(self) -> packed.FilmTotals:
+        return totals_of(self.film)
+
     def _judge(self, done: int) -> None:
         """Stop where the error is small enough, or where there is no light at all."""
         if self.rules.nrms is None:
             return
-        self.error = image_error(self.film)
-        paths = int(self.film.count.sum())
+        totals = self._totals()
+        self.error = error_of(totals, self.film.mean.size)
+        paths = int(totals.paths)
         if done < self.least or paths < LEAST_PATHS:
             return
         if self.error.high <= self.rules.nrms:
@@ -222,13 +229,14 @@ class Runner:
             raise
 
     def _tiles(self, target: int) -> Iterator[Tile]:
-        """Squares that take about `TILE_SECONDS` each."""
+        """Squares that take about `TILE_SECONDS` each, or `PAUSABLE_SECONDS`."""
         height, width = self.film.count.shape
         edge = FIRST_TILE
         if self.paths:
             rate = self.paths / self.threads / max(time.perf_counter() - self.start, 1e-6)
             samples = max(1, target - level_of(self.film.count, self.density))
-            area = rate * TILE_SECONDS / samples * self.film.count.size / self.pixels
+            seconds = TILE_SECONDS if self.rules.running is None else PAUSABLE_SECONDS
+            area = rate * seconds / samples * self.film.count.size / self.pixels
             edge = int(np.clip(math.sqrt(area), 4, LARGEST_TILE))
         for row in range(0, height, edge):
             for column in range(0, width, edge):

@@ -6,11 +6,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 from numpy.typing import NDArray
 
-from . import checks
-from .film.filter import gaussian_5x5
-from .pictures.display import to_rgba8, to_rgba16
+from . import checks, packed
+from .film.filter import GAUSSIAN, gaussian_5x5
+from .pack import f32, vector
+from .pictures.display import decode, to_rgba8, to_rgba16
 
 Colour = tuple[float, float, float]
 FILM_FILTERS = ("none", "gaussian-5x5")
@@ -72,3 +74,16 @@ def shown(radiance: NDArray, alpha: NDArray | None, display: Display, bits: int 
         exposure=display.exposure, background=display.background, gamma=display.gamma,
         curve=display.curve,
     )  # fmt: skip
+
+
+def packed_screen(display: Display) -> packed.Screen:
+    """The same for a film on a device. Exposures beyond 126 stops are 126 there."""
+    window = np.array(GAUSSIAN, f32) if display.film_filter == "gaussian-5x5" else None
+    background = display.background
+    return packed.Screen(
+        scale=f32(2.0 ** min(max(display.exposure, -126.0), 126.0)),
+        film_like=np.bool_(display.curve == "film"),
+        power=f32(0 if display.gamma is None else 1 / display.gamma),
+        window=window,
+        background=None if background is None else vector(decode(background, display.gamma)),
+    )

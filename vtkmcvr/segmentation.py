@@ -16,8 +16,8 @@ from .layers import Layer
 from .material import Surface, TransferFunction
 from .pictures.display import srgb_decode
 from .reading.colours import spread_colour
+from .recorded_facts import Segment, segments
 from .volume import Volume
-from .volume_info import Segment, segments
 
 if TYPE_CHECKING:
     from vtkmodules.vtkCommonDataModel import vtkImageData

@@ -1,121 +1,24 @@
-"""Facts about a volume: what the reader noticed, and what `vtkmcvr info` prints."""
+"""What there is to measure about a volume."""
 
 from __future__ import annotations
 
-import json
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .recorded_facts import modality, notes, segments, units
+
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator
 
     from numpy.typing import NDArray
     from vtkmodules.vtkCommonDataModel import vtkImageData
 
-__all__ = [
-    "Segment",
-    "count_nonfinite",
-    "format_info",
-    "modality",
-    "notes",
-    "record_facts",
-    "segments",
-    "units",
-    "volume_info",
-]
-
-NOTES_FIELD = "vtkmcvr.notes"
-MODALITY_FIELD = "vtkmcvr.modality"
-UNITS_FIELD = "vtkmcvr.units"
-SEGMENTS_FIELD = "vtkmcvr.segments"
-
 HISTOGRAM_BINS = 32
 PERCENTILES = (1, 50, 99)
 CHUNK = 1 << 22
-BAR_WIDTH = 40
-
-
-@dataclass(frozen=True)
-class Segment:
-    """What one value of a label map means.
-
-    Attributes
-    ----------
-    value : int
-        The label.
-    name : str
-        Such as "liver".
-    colour : tuple of 3 floats
-        sRGB, 0 to 1.
-    """
-
-    value: int
-    name: str
-    colour: tuple[float, float, float]
-
-
-# Facts stored on the image
-
-
-def record_facts(
-    image: vtkImageData, noted: list[str], modality: str, units: str,
-    segments: Sequence[Segment] = (),
-) -> None:  # fmt: skip
-    """Store notes, modality and units as field data of `image`, replacing earlier ones.
-
-    Parameters
-    ----------
-    image : vtkImageData
-        The image to annotate.
-    noted : list of str
-        Notes, stored as JSON.
-    modality, units : str
-        DICOM modality ("CT", "MR" ...) and unit of the values ("HU"), empty where unknown.
-    segments : sequence of Segment, optional
-        For a label map, stored as JSON.
-    """
-    from vtkmodules.vtkCommonCore import vtkStringArray
-
-    facts = {NOTES_FIELD: json.dumps(noted), MODALITY_FIELD: modality, UNITS_FIELD: units}
-    if segments:
-        facts[SEGMENTS_FIELD] = json.dumps([[s.value, s.name, s.colour] for s in segments])
-    for name, text in facts.items():
-        array = vtkStringArray()
-        array.SetName(name)
-        array.InsertNextValue(text)
-        image.GetFieldData().AddArray(array)
-
-
-def notes(image: vtkImageData) -> list[str]:
-    """Return what the reader noticed about `image`; empty if nothing was recorded."""
-    return list(json.loads(_recorded(image, NOTES_FIELD) or "[]"))
-
-
-def modality(image: vtkImageData) -> str:
-    """Return the DICOM modality of `image`, such as "CT"; empty if unknown."""
-    return _recorded(image, MODALITY_FIELD)
-
-
-def units(image: vtkImageData) -> str:
-    """Return the unit of the values of `image`, such as "HU"; empty if unknown."""
-    return _recorded(image, UNITS_FIELD)
-
-
-def segments(image: vtkImageData) -> list[Segment]:
-    """Return what the labels of `image` mean; empty if it is no label map."""
-    stored = json.loads(_recorded(image, SEGMENTS_FIELD) or "[]")
-    return [Segment(int(value), str(name), tuple(colour)) for value, name, colour in stored]
-
-
-def _recorded(image: vtkImageData, name: str) -> str:
-    array = image.GetFieldData().GetAbstractArray(name)
-    return "" if array is None or array.GetNumberOfValues() == 0 else str(array.GetValue(0))
-
-
-# Measured facts
 
 
 def count_nonfinite(values: NDArray[Any]) -> tuple[int, int]:
@@ -255,76 +158,3 @@ def _sample(values: NDArray[Any]) -> NDArray[Any]:
     sampled = values.reshape(-1)[::stride]
     finite = sampled[np.isfinite(sampled)]
     return finite if finite.size else np.concatenate(list(_finite_chunks(values)))
-
-
-# The page that `vtkmcvr info` prints
-
-
-def format_info(info: dict[str, Any]) -> str:
-    """Format the facts from `volume_info` as a plain-text page.
-
-    Parameters
-    ----------
-    info : dict
-        What `volume_info` returned.
-
-    Returns
-    -------
-    str
-        Lines of text, ending with a histogram whose bars are logarithmic in the count.
-    """
-    lines = [f"{label:<12} {text}" for label, text in _rows(info) if text]
-    lines += [f"{'note':<12} {note}" for note in info["notes"]]
-    lines += [f"{'label':<12} {s['value']} {s['name']}" for s in info.get("segments", [])]
-    return "\n".join(lines + _histogram_lines(info)) + "\n"
-
-
-def _rows(info: dict[str, Any]) -> list[tuple[str, str]]:
-    unit = f" {info['units']}" if info["units"] else ""
-    percentiles = [
-        f"{p} %: {_numbers([value])}"
-        for p, value in info["percentiles"].items()
-        if value is not None
-    ]
-    return [
-        ("dimensions", " x ".join(str(n) for n in info["dimensions"])),
-        ("spacing", _numbers(info["spacing"])),
-        ("origin", _numbers(info["origin"])),
-        ("direction", "   ".join(_numbers(axis) for axis in zip(*info["direction"], strict=True))),
-        ("bounds", _numbers(info["bounds"])),
-        ("values", _describe_values(info)),
-        ("modality", info["modality"]),
-        ("range", f"{_numbers(info['range'])}{unit}" if info["range"] else "no finite value"),
-        ("percentiles", ", ".join(percentiles)),
-        ("not finite", _describe_nonfinite(info)),
-    ]
-
-
-def _describe_nonfinite(info: dict[str, Any]) -> str:
-    nan, infinite = info["nan"], info["inf"]
-    return f"{nan} NaN, {infinite} infinite" if nan or infinite else ""
-
-
-def _describe_values(info: dict[str, Any]) -> str:
-    if not info["association"]:
-        return "none: the image has no point or cell array"
-    count = info["components"]
-    parts = f", {count} components" if count > 1 else ""
-    name = f"'{info['array']}' " if info["array"] else ""
-    return f"{name}on {info['association']}, {info['dtype']}{parts}, {info['memory_mb']:.1f} MB"
-
-
-def _numbers(values: Any) -> str:
-    return " ".join(f"{value + 0.0:.6g}" for value in values)
-
-
-def _histogram_lines(info: dict[str, Any]) -> list[str]:
-    counts, edges = info["histogram"]["counts"], info["histogram"]["edges"]
-    if not counts:
-        return []
-    longest = math.log1p(max(counts))
-    lines = ["", "from .. to (bars are logarithmic)"]
-    for count, low, high in zip(counts, edges[:-1], edges[1:], strict=True):
-        bar = "#" * math.ceil(BAR_WIDTH * math.log1p(count) / longest)
-        lines.append(f"{low:>12.5g} .. {high:<12.5g} {bar:<{BAR_WIDTH}} {count}".rstrip())
-    return lines

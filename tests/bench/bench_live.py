@@ -4,7 +4,9 @@ python tests/bench/bench_live.py [--size 256] [--window 800x600] [--seconds 5]
 
 Off screen, so that no window manager counts. A move is a new camera and one frame: reading the
 scene, depth of meshes, first estimate, drawing. An event is a turn of the event loop, with the
-timer's look at the refiner and the drawing of what it has made.
+timer's look at the refiner and the drawing of what it has made. Most turns have nothing to draw:
+those with a frame are listed apart, with what this package does in them, and beside them frames of
+the same window in which VTK draws the meshes and a picture, and nothing is refined.
 """
 
 import argparse
@@ -56,16 +58,53 @@ def moves(plotter, image):
 
 
 def events(plotter, seconds):
-    """Seconds of each turn of the event loop while the picture is refined."""
+    """Seconds of each turn of the event loop while the picture is refined, of frames, own share."""
     live = plotter.mcvr._live
-    taken, end = [], time.perf_counter() + seconds
+    turns, frames, own = [], [], watched(live.views[0])
+    end = time.perf_counter() + seconds
     while time.perf_counter() < end:
         begin = time.perf_counter()
         time.sleep(0.001)
-        if live.waiting:
+        drawn = live.waiting
+        if drawn:
             plotter.render()
+        turns.append(time.perf_counter() - begin)
+        if drawn:
+            frames.append(turns[-1])
+    return turns, frames, own
+
+
+def watched(view):
+    """List that gets the seconds which a view spends in each frame."""
+    taken, frame = [], view._frame
+
+    def timed():
+        begin = time.perf_counter()
+        frame()
+        taken.append(time.perf_counter() - begin)
+
+    view._frame = timed
+    return taken
+
+
+def idle_frames(plotter, count=20):
+    """Seconds of frames in which nothing is read, refined or swapped."""
+    plotter.mcvr._live._refiner.drop(plotter.mcvr._live.views[0])
+    taken = []
+    for _ in range(count):
+        begin = time.perf_counter()
+        plotter.render()
         taken.append(time.perf_counter() - begin)
     return taken
+
+
+def spread(seconds):
+    """Median, 95 % and longest, in milliseconds."""
+    return {
+        "median": round(1e3 * float(np.median(seconds)), 2),
+        "95 %": round(1e3 * float(np.percentile(seconds, 95)), 2),
+        "most": round(1e3 * max(seconds), 2),
+    }
 
 
 def measure(options, mesh):
@@ -80,19 +119,12 @@ def measure(options, mesh):
         plotter.render()
     moves(plotter, image)
     taken = moves(plotter, image)
-    plotter.render()
-    turns = events(plotter, options.seconds)
+    turns, frames, own = events(plotter, options.seconds)
+    samples = plotter.mcvr.samples
     result = {
-        "mesh": mesh,
-        "first_estimate_ms": {
-            "median": 1e3 * float(np.median(taken)), "least": 1e3 * min(taken),
-            "most": 1e3 * max(taken),
-        },
-        "event_ms": {
-            "median": 1e3 * float(np.median(turns)),
-            "95 %": 1e3 * float(np.percentile(turns, 95)), "most": 1e3 * max(turns),
-        },
-        "samples_meanwhile": plotter.mcvr.samples,
+        "mesh": mesh, "first_estimate_ms": spread(taken), "event_ms": spread(turns),
+        "frame_ms": spread(frames), "own_share_ms": spread(own), "frames": len(frames),
+        "idle_frame_ms": spread(idle_frames(plotter)), "samples_meanwhile": samples,
     }  # fmt: skip
     plotter.close()
     return result

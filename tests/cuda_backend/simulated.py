@@ -17,10 +17,15 @@ PROGRAM = Path(__file__).parents[1] / "cuda_simulation.py"
 SEED = 7
 
 
-def films_of(scenes, counts, folder, devices=1):
-    """Films by name of a scene: (of the CPU, of the simulator)."""
+def films_of(scenes, counts, folder, devices=1, there=lambda packed: packed):
+    """Films by name of a scene: (of the CPU, of the simulator).
+
+    `there`: what is on the device of a packed scene.
+    """
     plans = [plan(s) for s in scenes.values()]
-    jobs = [(planned.packed, empty_film(planned), counts, SEED, devices) for planned in plans]
+    jobs = [
+        (there(planned.packed), empty_film(planned), counts, SEED, devices) for planned in plans
+    ]
     (folder / "jobs").write_bytes(pickle.dumps(jobs))
     subprocess.run(
         [sys.executable, PROGRAM, folder / "jobs", folder / "films"],
@@ -31,8 +36,8 @@ def films_of(scenes, counts, folder, devices=1):
     )  # fmt: skip
     simulated = pickle.loads((folder / "films").read_bytes())
     return {
-        name: (on_cpu(*job[:4]), film)
-        for name, job, film in zip(scenes, jobs, simulated, strict=True)
+        name: (on_cpu(planned.packed, empty_film(planned), counts, SEED), film)
+        for name, planned, film in zip(scenes, plans, simulated, strict=True)
     }
 
 

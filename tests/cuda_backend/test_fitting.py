@@ -146,7 +146,7 @@ def test_layers_of_occlusion_shrink_too(monkeypatch):
     settings = Occlusion(directions=4, slices=20)
     film = render_film(settings)
     monkeypatch.setattr(backends, "missing", lambda: None)
-    monkeypatch.setattr(sweeps, "SweepDevice", lambda kind: SmallSweep(film))
+    monkeypatch.setattr(sweeps, "SweepDevice", lambda: SmallSweep(film))
     picture = render_occlusion(lit(WHOLE), settings, backend="cuda")
     assert picture.backend == "cuda"
 

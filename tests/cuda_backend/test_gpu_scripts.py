@@ -5,18 +5,22 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
-from fake_device import FakeDevice
+from fake_device import FakeDevice, poisoned
 
-from vtkmcvr import backends
+from vtkmcvr import backends, packed
 from vtkmcvr.film.moments import copy_film
 from vtkmcvr.gpu import available, device
+from vtkmcvr.gpu import bricks as needed
 from vtkmcvr.occlusion import carry_out
 
 SCRIPTS = Path(__file__).parents[1] / "gpu"
 sys.path.insert(0, str(SCRIPTS))
 
 import agreement  # noqa: E402
+import film_shown  # noqa: E402
+import kept  # noqa: E402
 import occluded  # noqa: E402
 
 
@@ -54,6 +58,43 @@ def test_devices_that_agree_pass(on):
 def test_a_bias_is_found(on):
     on(Biased)
     assert not agreement.compared(agreement.SINGLE)["passed"]
+
+
+def test_films_shown_alike_pass_and_a_bias_is_found(monkeypatch):
+    monkeypatch.setattr(film_shown, "CudaDevice", FakeDevice)
+    assert film_shown.alike(SMALL)["passed"]
+    monkeypatch.setattr(film_shown, "CudaDevice", Biased)
+    assert not film_shown.alike(SMALL)["passed"]
+
+
+def test_live_pictures_alike_pass_and_a_bias_is_found(monkeypatch):
+    from vtkmcvr.live import work
+
+    monkeypatch.setattr(kept, "SINGLE", SMALL)
+    monkeypatch.setattr(work, "missing", lambda: None)
+    # One for each picture: the fake one works when it is waited for, by whoever waits
+    monkeypatch.setattr(work, "device", FakeDevice)
+    assert kept.live()["passed"]
+    monkeypatch.setattr(FakeDevice, "shown", lambda *_: np.zeros((24, 32, 4), np.uint8))
+    assert not kept.live()["passed"]
+
+
+def test_bricks_that_lack_voxels_are_found(monkeypatch):
+    monkeypatch.setattr(kept, "SIZE", SMALL.size)
+    monkeypatch.setattr(kept, "CudaDevice", FilledUp)
+    assert kept.bricks()["same_bits"]
+    monkeypatch.setattr(needed, "APRON", -30)
+    assert not kept.bricks()["passed"]
+
+
+class FilledUp(FakeDevice):
+    """A device that makes arrays of bricks, for the kernels of the CPU."""
+
+    def upload(self, part):
+        values = getattr(getattr(part, "medium", None), "values", None)
+        if isinstance(values, packed.Bricks):
+            part = part._replace(medium=poisoned(part.medium))
+        return super().upload(part)
 
 
 @pytest.fixture

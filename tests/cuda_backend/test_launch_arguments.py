@@ -8,12 +8,14 @@ import numpy as np
 import pytest
 import sweeps
 from needs import compiler
-from scenes import blob, everything, scene
+from scenes import blob, everything, scene, volume
 
+from vtkmcvr.gpu.bricks import bricked
 from vtkmcvr.gpu.device import _rebuilt
 from vtkmcvr.lights import ConstantEnvironment
 from vtkmcvr.plan import plan
 from vtkmcvr.rendering import empty_film
+from vtkmcvr.screen import Display, packed_screen
 
 pytestmark = compiler
 SIZES = {"u64": 8, "f64": 8, "u32": 4, "f32": 4, "u16": 2, "u8": 1, "b8": 1}
@@ -23,6 +25,7 @@ SCENES = {
     "albedo and normal": scene(
         blob(5), lights=(ConstantEnvironment(0.5),), aovs=("albedo", "normal"), size=(8, 6)
     ),
+    "in bricks": everything(vol=volume(np.pad(blob(5).values, 30), (0.03,) * 3), size=(8, 6)),
 }
 
 
@@ -74,7 +77,8 @@ def test_every_parameter_gets_an_argument_of_its_size(name, monkeypatch):
     pretend(monkeypatch, (9, 0))
     planned = plan(SCENES[name])
     film, number = empty_film(planned), np.int64(1)
-    on_host = film, planned.packed, number, number, film.count, number, number, number
+    there = bricked(planned.packed) if "bricks" in name else planned.packed
+    on_host = film, there, number, number, film.count, number, number, number
     arguments = on_device(on_host)
     types = tuple(map(typeof, arguments))
     assert types == tuple(map(typeof, on_host))
@@ -87,6 +91,28 @@ def test_every_parameter_gets_an_argument_of_its_size(name, monkeypatch):
     assert list(map(size_of, flat)) == wanted
     # What CUDA takes since 12.1, from compute capability 7.0 on; 4096 before
     assert sum(wanted) < 4096
+
+
+@pytest.mark.parametrize(
+    "display", [Display(), Display(background=(1, 1, 1), film_filter="gaussian-5x5")]
+)
+def test_every_parameter_of_what_is_shown_gets_an_argument_of_its_size(display, monkeypatch):
+    from numba.cuda.typing.typeof import typeof
+    from ptx import pretend, ptx_of
+
+    from vtkmcvr.kernels.film_cuda import show_pixels
+
+    pretend(monkeypatch, (9, 0))
+    film = empty_film(plan(SCENES["everything"]))
+    arguments = on_device((film, packed_screen(display), np.zeros((6, 8, 4), np.uint8)))
+    types = tuple(map(typeof, arguments))
+
+    def same_parameters(film, screen, pixels):
+        pixels[0, 0, 0] = film.count[0, 0]
+
+    ptx = ptx_of(same_parameters, types, (9, 0))
+    wanted = [SIZES[kind] for kind in PARAMETER.findall(ptx)]
+    assert list(map(size_of, handed_over(types, arguments, show_pixels.extensions))) == wanted
 
 
 def test_numba_cuda_still_needs_help_with_absent_effects():
@@ -112,7 +138,7 @@ def test_every_parameter_of_a_sweep_gets_an_argument_of_its_size(name, monkeypat
     from numba.cuda.typing.typeof import typeof
     from ptx import pretend, ptx_of
 
-    from vtkmcvr.kernels.cone_cuda import sweep_beams
+    from vtkmcvr.kernels.cone_cuda import sweep_layers
 
     pretend(monkeypatch, (9, 0))
     arguments = on_device(sweeps.dense_tables(*{**sweeps.MODES, **sweeps.MORE}[name]))
@@ -124,7 +150,7 @@ def test_every_parameter_of_a_sweep_gets_an_argument_of_its_size(name, monkeypat
 
     ptx = ptx_of(same_parameters, types, (9, 0))
     wanted = [SIZES[kind] for kind in PARAMETER.findall(ptx)]
-    assert list(map(size_of, handed_over(types, arguments, sweep_beams.extensions))) == wanted
+    assert list(map(size_of, handed_over(types, arguments, sweep_layers.extensions))) == wanted
     # What CUDA takes since 12.1, from compute capability 7.0 on
     assert sum(wanted) < 32764
 

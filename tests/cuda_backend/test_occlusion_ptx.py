@@ -5,8 +5,6 @@ import pytest
 import sweeps
 from needs import compiler
 
-from vtkmcvr.occlusion.tables import kind_of
-
 pytestmark = [compiler, pytest.mark.slow]
 TURING, HOPPER = (7, 5), (9, 0)
 MEANT = {
@@ -30,11 +28,10 @@ CASES = {
 def kernel_and_types(case):
     from numba.cuda.typing.typeof import typeof
 
-    from vtkmcvr.kernels import cone_cuda
+    from vtkmcvr.kernels.cone_cuda import sweep_layers
 
-    kind = kind_of(sweeps.parts(*case).light)
     arguments = (*sweeps.dense_tables(*case), np.int64(0), np.int64(0))
-    return getattr(cone_cuda, f"sweep_{kind}"), tuple(map(typeof, arguments))
+    return sweep_layers, tuple(map(typeof, arguments))
 
 
 @pytest.mark.parametrize("name", CASES)

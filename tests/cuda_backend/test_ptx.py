@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 from needs import compiler
-from scenes import blob, everything, medium, noise, scene
+from scenes import blob, everything, medium, noise, scene, volume
 
 from vtkmcvr.cutting import Plane, Sphere
+from vtkmcvr.gpu.bricks import bricked
 from vtkmcvr.kernels.brdf import brdf_value, sample_brdf
 from vtkmcvr.kernels.phase import phase_value, sample_phase
 from vtkmcvr.kernels.rng import logarithm, start
@@ -67,14 +68,17 @@ SCENES = {
         layers=(Layer(noise(5), medium(1.0)),),
     ),
     "ray march": scene(blob(5), lights=SKY, estimator="ray-march"),
+    "voxels in bricks": everything(vol=volume(np.pad(blob(5).values, 30), (0.03,) * 3)),
 }  # fmt: skip
 
 
-def parameter_types(planned):
+def parameter_types(name):
     from numba.cuda.typing.typeof import typeof
 
+    planned = plan(SCENES[name])
     film, number = empty_film(planned), np.int64(1)
-    parameters = film, planned.packed, number, number, film.count, number, number, number
+    there = bricked(planned.packed) if "bricks" in name else planned.packed
+    parameters = film, there, number, number, film.count, number, number, number
     return tuple(map(typeof, parameters))
 
 
@@ -85,7 +89,7 @@ def test_every_kernel_compiles_without_stray_doubles(name, monkeypatch, tmp_path
 
     from vtkmcvr.kernels.cuda import render_rows
 
-    types = parameter_types(plan(SCENES[name]))
+    types = parameter_types(name)
     for capability in (TURING, HOPPER):
         pretend(monkeypatch, capability)
         ptx = ptx_of(render_rows.py_func, types, capability)
@@ -94,6 +98,7 @@ def test_every_kernel_compiles_without_stray_doubles(name, monkeypatch, tmp_path
         found = doubles(ptx)
         assert found["sample.py"] > 10
         assert set(found) <= set(MEANT) | set(LENS if "lens" in name else ()), found
+        assert ("Bricks" in ptx) == ("bricks" in name)
         used = assembled(ptx, arch, tmp_path)
         print(f"{name}, {arch}: {found.total()} float64; {used} registers, bytes spilt")
 
@@ -108,7 +113,7 @@ def test_kernel_of_a_launch_links_to_machine_code(monkeypatch):
 
     pretend(monkeypatch, HOPPER)
     monkeypatch.setattr(codegen.CUDACodeLibrary, "_ensure_cc", lambda self, cc: cc or HOPPER)
-    types = parameter_types(plan(SCENES["single, hybrid, all kinds of light"]))
+    types = parameter_types("single, hybrid, all kinds of light")
     kernel = _Kernel(render_rows.py_func, types, **render_rows.targetoptions)
     # An ELF file
     assert kernel._codelibrary.get_cubin(cc=HOPPER).code[:4] == b"\x7fELF"

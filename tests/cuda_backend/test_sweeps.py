@@ -37,7 +37,7 @@ def film(parts):
 def with_device(monkeypatch):
     def use(fake):
         monkeypatch.setattr(backends, "missing", lambda: None)
-        monkeypatch.setattr(sweeps, "SweepDevice", lambda kind: fake)
+        monkeypatch.setattr(sweeps, "SweepDevice", lambda: fake)
         return fake
 
     return use
@@ -97,7 +97,7 @@ def test_what_is_blank_is_not_copied_and_shared_arrays_stay_one():
     tables = tables_of(*parts_of(faint, planned, raster, SETTINGS))
     blank = [
         *(a for a in tables.film if a is not None), *tables.eye, tables.sheets.depth,
-        tables.light.buffers,
+        tables.light.beams.buffers,
     ]  # fmt: skip
     assert all(not any(a.strides) for a in blank)
     assert tables.sheets.whole is tables.sheets.depth

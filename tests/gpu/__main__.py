@@ -17,7 +17,9 @@ sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parents[1])]
 
 # The folders above come first
 import agreement  # noqa: E402
+import film_shown  # noqa: E402
 import first_picture  # noqa: E402
+import kept  # noqa: E402
 import occluded  # noqa: E402
 import several  # noqa: E402
 import speed  # noqa: E402
@@ -26,6 +28,16 @@ from vtkmcvr import __version__  # noqa: E402
 from vtkmcvr.gpu.available import missing  # noqa: E402
 
 LIMIT = 540.0
+
+
+def lookups():
+    """Array against textures."""
+    # Its kernels take numba-cuda
+    import lookups as probe
+
+    return probe.lookups()
+
+
 # Name, seconds that it may need (a guess, on the safe side), what to call; first things first
 CHECKS = (
     ("same_bits", 60, agreement.same_bits),
@@ -37,6 +49,10 @@ CHECKS = (
     ("occlusion_agreement", 40, occluded.agreement),
     ("occlusion_throughput", 120, occluded.throughput),
     ("denoising", 20, occluded.denoising),
+    ("film_on_device", 20, film_shown.film_on_device),
+    ("live", 40, kept.live),
+    ("bricks", 40, kept.bricks),
+    ("lookups", 40, lookups),
     ("several_devices", 30, several.several_devices),
     ("occlusion_hard_cases", 40, occluded.hard_cases),
     ("agreement_multiple", 60, agreement.multiple),

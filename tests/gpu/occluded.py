@@ -14,7 +14,7 @@ from vtkmcvr.gpu import sweeps
 from vtkmcvr.lights import ConstantEnvironment
 from vtkmcvr.occlusion import Occlusion, render_occlusion
 from vtkmcvr.occlusion.rendering import layout, parts_of
-from vtkmcvr.occlusion.tables import blocks_in, kind_of, tables_of
+from vtkmcvr.occlusion.tables import blocks_in, tables_of
 from vtkmcvr.pictures import denoise
 from vtkmcvr.rendering import render_scene
 from vtkmcvr.scene import Camera, Surface, Volume
@@ -123,7 +123,7 @@ def timed(described, settings):
     planned, raster, _ = layout(described, settings)
     parts = parts_of(described, planned, raster, settings)
     tables, blocks = tables_of(*parts), blocks_in(raster)
-    device = sweeps.SweepDevice(kind_of(parts.light))
+    device = sweeps.SweepDevice()
     there = device.upload(tables)
     device.compile(there)
     times = []

@@ -4,6 +4,7 @@ import math
 import time
 
 import numpy as np
+import pyvista
 from real_volumes import DATA
 
 from vtkmcvr import head_phantom, scene_of
@@ -24,8 +25,17 @@ def volumes():
     """Engine and head of the collection in VTKMCVR_DATA, or the synthetic head."""
     found = {name: DATA / file for name, file in FILES.items() if (DATA / file).exists()}
     if not found:
-        return {"synthetic head, the collection is absent": head_phantom(192)}
+        return {"synthetic head, the collection is absent": image_of(head_phantom(192))}
     return {name: read_vtk(str(path)) for name, path in found.items()}
+
+
+def image_of(head):
+    """vtkImageData of the synthetic head."""
+    image = pyvista.ImageData(
+        dimensions=head.values.shape[::-1], spacing=head.spacing, origin=head.origin
+    )
+    image["values"] = head.values.ravel()
+    return image
 
 
 def planned(volume):

@@ -8,8 +8,8 @@ import pyvista as pv
 from plotters import SIZE, add, fog, look, pixels, plotter
 
 from vtkmcvr.film import error as film_error
-from vtkmcvr.live import view
-from vtkmcvr.live.depths import CENTRE
+from vtkmcvr.live import places, view
+from vtkmcvr.live.places import CENTRE
 from vtkmcvr.receivers import SphereReceiver
 from vtkmcvr.rendering import render_scene
 
@@ -124,7 +124,7 @@ def test_without_noise_meshes_hide_the_volume_at_their_edges_too(technique, monk
     assert off[inside].mean() < 2 and off[~edge].mean() < 2
     assert off[edge].mean() < 7
     # One place in a pixel makes steps
-    monkeypatch.setattr(view, "SPREAD", CENTRE)
+    monkeypatch.setattr(places, "SPREAD", (CENTRE,))
     small, _ = shot(1)
     assert np.abs(small - mean).max(axis=2)[edge].mean() > 10
 

@@ -5,8 +5,8 @@ import pytest
 import pyvista as pv
 from plotters import SIZE, add, fog, look, pixels, plotter
 
-from vtkmcvr.live import view
-from vtkmcvr.live.depths import CENTRE
+from vtkmcvr.live import places
+from vtkmcvr.live.places import CENTRE
 
 # Distance of the camera along z; opacity and colour of planes across its axis
 AWAY, OPACITY, COLOUR = 6.0, 0.4, np.array((1.0, 0.5, 0.0))
@@ -66,6 +66,32 @@ def test_within_the_volume_it_lies_between_what_is_before_and_behind():
     bound = 3 * 5 * 0.5 / np.sqrt(400 * SAMPLES)
     assert abs(ours - (front + (1 - OPACITY) * (whole - front))) < bound
     assert whole - front > 4 * bound
+
+
+@pytest.mark.parametrize("by", ["opacity", "texture"])
+def test_a_textured_one_has_its_texels_everywhere(by):
+    """Halves of two colours, translucent by the actor's opacity or by the texture's own."""
+    alpha = OPACITY if by == "texture" else 1.0
+    texels = np.array([[(255, 0, 0, 255 * alpha), (0, 255, 0, 255 * alpha)]], np.uint8)
+    texture = pv.Texture(np.repeat(texels, 2, axis=0))
+    texture.interpolate = False
+
+    def textured(z):
+        target = scene()
+        plane = pv.Plane(center=(0, 0, z), i_size=9, j_size=9)
+        opacity = OPACITY if by == "opacity" else 1.0
+        target.add_mesh(plane, texture=texture, opacity=opacity, lighting=False)
+        return shot(target)[0]
+
+    plain, _ = shot(scene())
+    halves = np.repeat(np.eye(3)[None, :2], SIZE[0] // 2, axis=1)
+    before = OPACITY * 255 * halves + (1 - OPACITY) * plain
+    away = np.abs(np.arange(SIZE[0]) - (SIZE[0] - 1) / 2) > 2
+    np.testing.assert_allclose(textured(2.0)[:, away], before[:, away], atol=2)
+    # Behind the fog both colours are there, dimmed
+    behind = textured(-2.0)[MIDDLE].mean(axis=0)
+    left, right = behind[:9].mean(axis=0), behind[11:].mean(axis=0)
+    assert left[0] > right[0] + 25 and right[1] > left[1] + 25
 
 
 def test_layers_are_where_a_sphere_is():
@@ -140,7 +166,7 @@ def test_their_edges_are_mixed_as_their_parts_are(monkeypatch):
     assert off[~edge].mean() < 2
     assert off[edge].mean() < 9
     # One place in a pixel makes steps
-    monkeypatch.setattr(view, "SPREAD", CENTRE)
+    monkeypatch.setattr(places, "SPREAD", (CENTRE,))
     ours, _ = balls(1)
     assert np.abs(ours - mean).max(axis=2)[edge].mean() > 15
 

@@ -14,8 +14,9 @@ from made_dicom import positions, write_multiframe, write_series, write_slice
 from made_volumes import REPOSITORY, SECRET, VOXELS
 from pydicom.datadict import dictionary_VR, tag_for_keyword
 
+from vtkmcvr.commands.info_page import format_info
 from vtkmcvr.readers import VolumeReadError, list_series, read
-from vtkmcvr.volume_info import format_info, volume_info
+from vtkmcvr.volume_info import volume_info
 
 PLANTED = {
     "PatientName": f"{SECRET}^NAME",

@@ -25,7 +25,8 @@ def add_info(commands: Any) -> None:
 
 
 def _info(args: argparse.Namespace) -> int:
-    from ..volume_info import format_info, volume_info
+    from ..volume_info import volume_info
+    from .info_page import format_info
 
     if args.list:
         return _list(args)

@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from vtkmodules.vtkCommonDataModel import vtkImageData
 
     from ..labels import Labels
+    from ..recorded_facts import Segment
     from ..scene import TransferFunction, Volume
-    from ..volume_info import Segment
 
 
 def labelled(
@@ -38,8 +38,8 @@ def labelled(
     """
     from ..front import scene_of
     from ..readers import read_labels
+    from ..recorded_facts import segments
     from ..scene import Volume
-    from ..volume_info import segments
     from ..vtk_bridge.scene import volume_of
 
     parts = {part: _names(text) for part, text in chosen.items() if text}

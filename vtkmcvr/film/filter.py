@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 Floats = NDArray[np.floating]
 
 # 5 pixels, standard deviation 1.5
-_GAUSSIAN = tuple(math.exp(-0.5 * (offset / 1.5) ** 2) for offset in range(-2, 3))
+GAUSSIAN = tuple(math.exp(-0.5 * (offset / 1.5) ** 2) for offset in range(-2, 3))
 
 
 def gaussian_5x5(image: ArrayLike) -> Floats:
@@ -35,7 +35,7 @@ def gaussian_5x5(image: ArrayLike) -> Floats:
     numpy.ndarray
         Of the same shape; float32 stays float32, anything else becomes float64.
     """
-    return window_mean(image, _GAUSSIAN)
+    return window_mean(image, GAUSSIAN)
 
 
 def window_mean(image: ArrayLike, weights: Sequence[float]) -> Floats:

@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import packed
+from . import films
 from .errors import CPU_INSTEAD, SMALLER, OutOfDeviceMemory, translated
 
 
@@ -41,7 +43,7 @@ class Device:
                 self._open()
 
     def _open(self) -> None:
-        self._queue = self._cuda.stream()
+        self.queue = self._cuda.stream()
         device = self._cuda.get_current_device()
         major, minor = device.compute_capability
         self.name = f"{getattr(device, 'name', 'simulator')}, compute capability {major}.{minor}"
@@ -79,19 +81,19 @@ class Device:
 
     def _uploaded(self, part: Any) -> Any:
         if isinstance(part, np.ndarray):
-            return self._cuda.to_device(np.ascontiguousarray(part), self._queue)
+            return self._cuda.to_device(np.ascontiguousarray(part), self.queue)
         return _rebuilt(part, self._uploaded) if isinstance(part, tuple) else part
 
     def download(self, part: Any) -> Any:
         """Return a packed tuple with its arrays back on the host, after all launches."""
         with translated("the film was copied from the device"):
             downloaded = self._downloaded(part)
-            self._queue.synchronize()
+            self.queue.synchronize()
         return downloaded
 
     def _downloaded(self, part: Any) -> Any:
         if hasattr(part, "copy_to_host"):
-            return part.copy_to_host(stream=self._queue)
+            return part.copy_to_host(stream=self.queue)
         return _rebuilt(part, self._downloaded) if isinstance(part, tuple) else part
 
     def finished(self, ticket: Any) -> bool:
@@ -127,7 +129,7 @@ class CudaDevice(Device):
         with translated("kernels were compiled"):
             # Up to no sample
             self._launch(film, scene, (0, goal.shape[0]), goal, 0, seed)
-            self._queue.synchronize()
+            self.queue.synchronize()
 
     def launch(
         self, film: Any, scene: Any, rows: tuple[int, int], goal: Any, cap: int, seed: int
@@ -136,8 +138,16 @@ class CudaDevice(Device):
         with translated("a kernel was launched"):
             self._launch(film, scene, rows, goal, cap, seed)
             ticket = self._cuda.event(timing=False)
-            ticket.record(self._queue)
+            ticket.record(self.queue)
         return ticket
+
+    def totals(self, film: Any) -> packed.FilmTotals:
+        """Sums over this device's pixels of a film, of which only these sums are copied."""
+        return films.totals(self, film)
+
+    def shown(self, film: Any, screen: packed.Screen) -> NDArray[np.uint8]:
+        """Display picture of a film on the device, (H, W, 4), of which only bytes are copied."""
+        return films.shown(self, film, screen)
 
     def _launch(
         self, film: Any, scene: Any, rows: tuple[int, int], goal: Any, cap: int, seed: int
@@ -151,7 +161,7 @@ class CudaDevice(Device):
         with warnings.catch_warnings():
             # That a small picture does not fill the device
             warnings.filterwarnings("ignore", "Grid size")
-            configured = self._launcher.render_rows[blocks, (across, down), self._queue]
+            configured = self._launcher.render_rows[blocks, (across, down), self.queue]
         configured(film, scene, row_0, row_1, goal, most, key, every)
 
 

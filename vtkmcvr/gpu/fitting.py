@@ -1,14 +1,16 @@
-"""Scenes that do not fit into a device's memory: voxels in a smaller type of the same values."""
+"""Scenes that do not fit into a device's memory: voxels in a smaller type, or fewer of them."""
 
 from __future__ import annotations
 
 import logging
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import packed
+from .bricks import bricked
 from .errors import OutOfDeviceMemory
 
 logger = logging.getLogger("vtkmcvr")
@@ -17,22 +19,36 @@ SMALLER_TYPES = (np.uint8, np.int16, np.uint16)
 
 
 def uploaded(device: Any, *parts: Any) -> tuple[Any, ...]:
-    """Copy packed tuples to a device; where they do not fit, with voxels in a smaller type.
+    """Copy packed tuples to a device; where they do not fit, with less of the voxels.
+
+    First in a smaller type of the same values; then without those that no path reads.
 
     Raises
     ------
     OutOfDeviceMemory
-        Where they do not fit then either, or no smaller type holds the voxels' values.
+        Where they do not fit then either.
     """
-    try:
-        return _copied(device, parts)
-    except OutOfDeviceMemory:
-        smaller = tuple(map(shrunk, parts))
-        if all(a is b for a, b in zip(smaller, parts, strict=True)):
-            raise
-    # No longer inside the handler, whose traceback keeps what was copied so far
-    logger.info("voxels go to the device in a smaller type, which holds the same values")
-    return _copied(device, smaller)
+    failure = None
+    for words, version in _versions(parts):
+        if words:
+            logger.info(words)
+        try:
+            return _copied(device, version)
+        except OutOfDeviceMemory as error:
+            # Its traceback would keep what was copied so far
+            failure = error.with_traceback(None)
+    assert failure is not None
+    raise failure
+
+
+def _versions(parts: tuple[Any, ...]) -> Iterator[tuple[str, tuple[Any, ...]]]:
+    """What may be copied, and what to say of it: each smaller than the one before."""
+    yield "", parts
+    for words, smaller in STEPS:
+        less = tuple(map(smaller, parts))
+        if any(a is not b for a, b in zip(less, parts, strict=True)):
+            yield words, less
+            parts = less
 
 
 def _copied(device: Any, parts: tuple[Any, ...]) -> tuple[Any, ...]:
@@ -67,3 +83,9 @@ def smaller_type(values: NDArray[Any]) -> NDArray[Any]:
         if np.array_equal(as_whole, values):
             return as_whole
     return values
+
+
+STEPS = (
+    ("voxels go to the device in a smaller type, which holds the same values", shrunk),
+    ("voxels go to the device in bricks, without those that no path reads", bricked),
+)

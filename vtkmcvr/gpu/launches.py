@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections import deque
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -42,29 +43,67 @@ class Queued(NamedTuple):
     since: float
 
 
+class OnDevice(NamedTuple):
+    """What a render needs, in a device's memory."""
+
+    scene: Any
+    film: Any
+    unlimited: Any  # (H, W) samples of a pixel where nothing limits them
+
+
+@dataclass
+class Pace:
+    """Paths of a device while it was at work, and the seconds of that."""
+
+    paths: int = 0
+    busy: float = 0.0
+
+    @property
+    def rate(self) -> float:
+        """Paths per second; 0 before anything is known."""
+        return self.paths / self.busy if self.busy > 0 else 0.0
+
+
+def placed(device: Any, scene: packed.Scene, film: packed.Film, seed: int) -> OnDevice:
+    """Copy scene and film to a device, and compile for them or load from the cache."""
+    unlimited = np.full(film.count.shape, schedule.UNLIMITED, np.int64)
+    there = OnDevice(*uploaded(device, scene, film, unlimited))
+    schedule.compiling(lambda: device.compile(there.film, there.scene, there.unlimited, seed))
+    return there
+
+
 class DeviceRun(schedule.Runner):
-    """One render on a device, by the stop rules of the CPU's; `film` stays as it is."""
+    """One render on a device, by the stop rules of the CPU's; the host's film stays as it is.
+
+    Parameters
+    ----------
+    device : CudaDevice
+    there : OnDevice
+    scene, film, rules, seed, progress, density
+        As for `vtkmcvr.schedule.run`; of the film on the host, the samples that there are.
+    pace : Pace
+        What is known of the device; kept up to date.
+    """
 
     def __init__(
         self,
         device: Any,
+        there: OnDevice,
         scene: packed.Scene,
         film: packed.Film,
         rules: StopRules,
         seed: int,
         progress: Callable[[Progress], object] | None,
         density: Density | None,
+        pace: Pace,
     ):
-        unlimited = np.full(film.count.shape, schedule.UNLIMITED, np.int64)
-        self.device = device
-        self.there, self.sum, self.unlimited = uploaded(device, scene, film, unlimited)
-        schedule.compiling(lambda: device.compile(self.sum, self.there, self.unlimited, seed))
+        self.device, self.there, self.pace = device, there, pace
         super().__init__(scene, film, rules, seed, 1, progress, density)
-        self.level, self.busy, self.idle_since = self.first, 0.0, self.start
+        self.level, self.idle_since = self.first, self.start
 
     def result(self) -> packed.Film:
         """Film with all samples so far, on the host."""
-        return self.device.download(self.sum)
+        return self.device.download(self.there.film)
 
     def fill_up(self, counts: NDArray[np.int64]) -> None:
         """Bring every pixel up to a number of samples of its own."""
@@ -78,15 +117,19 @@ class DeviceRun(schedule.Runner):
     def _goal_of(self, level: int) -> tuple[Any, int]:
         """Samples of each pixel at a level, on the device, and the most that counts."""
         if self.density is None:
-            return self.unlimited, level
+            return self.there.unlimited, level
         return self.device.upload(self._goals(level)), schedule.UNLIMITED
 
     def _work_off(self, target: int, goal_of: Callable[[int], tuple[Any, int]]) -> None:
         """Queue launches until all pixels have what they get at level `target`."""
         queue: deque[Queued] = deque()
         for launch in self._launches(target):
+            if self.rules.running is not None:
+                self.rules.running.wait(schedule.PAUSE_SECONDS)
             rows, (goal, cap) = (launch.start, launch.end), goal_of(launch.level)
-            ticket = self.device.launch(self.sum, self.there, rows, goal, cap, self.seed)
+            ticket = self.device.launch(
+                self.there.film, self.there.scene, rows, goal, cap, self.seed
+            )
             queue.append(Queued(ticket, launch.paths, time.perf_counter()))
             if len(queue) == QUEUED:
                 self._await(queue.popleft())
@@ -100,7 +143,7 @@ class DeviceRun(schedule.Runner):
         """Parts of a pass: all rows by some samples, or some rows by one sample."""
         height, width = self.film.count.shape
         while self.level < target:
-            paths = max(LEAST_PATHS * self.device.count, int(LAUNCH_SECONDS * self._rate()))
+            paths = max(LEAST_PATHS * self.device.count, int(LAUNCH_SECONDS * self.pace.rate))
             samples = min(max(1, paths // (height * width)), target - self.level)
             least = ROWS * self.device.count
             rows = max(least, paths // width // least * least)
@@ -112,10 +155,6 @@ class DeviceRun(schedule.Runner):
                 yield Launch(start, end, level, (end - start) * width * samples)
             self.level = level
 
-    def _rate(self) -> float:
-        """Paths per second of the device while it was at work; 0 before anything is known."""
-        return self.paths / self.busy if self.busy > 0 else 0.0
-
     def _await(self, queued: Queued) -> None:
         """Wait for the end of a launch; look at the stop rules meanwhile."""
         looked = time.perf_counter()
@@ -125,7 +164,8 @@ class DeviceRun(schedule.Runner):
                 self._look()
                 looked = time.perf_counter()
         now = time.perf_counter()
-        self.busy += now - max(queued.since, self.idle_since)
+        self.pace.busy += now - max(queued.since, self.idle_since)
+        self.pace.paths += queued.paths
         self.idle_since = now
         self.paths += queued.paths
 
@@ -137,10 +177,8 @@ class DeviceRun(schedule.Runner):
         else:
             self._report(self.level)
 
-    def _judge(self, done: int) -> None:
-        if self.rules.nrms is not None:
-            self.film = self.result()
-        super()._judge(done)
+    def _totals(self) -> packed.FilmTotals:
+        return self.device.totals(self.there.film)
 
 
 def run(
@@ -168,7 +206,11 @@ def run(
     film, stopped_by, seconds
         Compilation and copies of the scene are not counted, that of the film to the host is.
     """
-    work = DeviceRun(device, scene, film, rules, seed, progress, density)
+    there = placed(device, scene, film, seed)
+    if rules.nrms is not None:
+        # Compiles it too
+        device.totals(there.film)
+    work = DeviceRun(device, there, scene, film, rules, seed, progress, density, Pace())
     stopped_by = work.run(None)
     if counts is not None and stopped_by == "samples":
         work.fill_up(counts)

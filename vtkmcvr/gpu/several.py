@@ -11,8 +11,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import packed
 from . import device as one
 from .device import _rebuilt
+from .films import joined
 from .launches import ROWS
 
 
@@ -73,6 +75,19 @@ class SeveralDevices:
         """Queue samples for some rows, each its own. Returns a ticket."""
         everywhere = (self._all(rows), goal, self._all(cap), self._all(seed))
         return self._each("launch", film, scene, *everywhere)
+
+    def totals(self, films: list[Any]) -> packed.FilmTotals:
+        """Sums over the pixels of a film, each its own rows."""
+        return joined(self._each("totals", films))
+
+    def shown(self, films: list[Any], screen: packed.Screen) -> NDArray[np.uint8]:
+        """Display picture of a film; a film filter, which crosses rows, takes the whole film."""
+        if screen.window is None:
+            return _bands(self._each("shown", films, self._all(screen)))
+        whole, first = self.download(films), self.devices[0]
+        with first.current():
+            picture: NDArray[np.uint8] = first.shown(first.upload(whole), screen)
+        return picture
 
     def finished(self, tickets: list[Any]) -> bool:
         """Whether a launch has ended on all of them."""

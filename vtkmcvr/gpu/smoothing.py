@@ -27,6 +27,6 @@ class SmoothingDevice(Device):
         with translated("noise was reduced"), warnings.catch_warnings():
             # That a small picture does not fill the device
             warnings.filterwarnings("ignore", "Grid size")
-            knn_pixels[blocks, BLOCK, self._queue](*planes)
+            knn_pixels[blocks, BLOCK, self.queue](*planes)
         filtered: Plane = self.download(planes[-1])
         return filtered

@@ -21,22 +21,18 @@ from .launches import LAUNCH_SECONDS, QUEUED, WAIT_SECONDS
 class SweepDevice(Device):
     """A device that takes light through blocks of layers.
 
-    Parameters
-    ----------
-    kind : {"beams", "blurred", "published"}
-
     Attributes
     ----------
     kernel : object
         numba-cuda's, with all that it was compiled for.
     """
 
-    def __init__(self, kind: str) -> None:
+    def __init__(self) -> None:
         super().__init__()
         with translated("the device was opened"):
             from ..kernels import cone_cuda
         self._sweeps = cone_cuda
-        self.kernel = getattr(cone_cuda, f"sweep_{kind}")
+        self.kernel = cone_cuda.sweep_layers
         self._grid = 1
 
     def compile(self, tables: Any) -> None:
@@ -45,21 +41,21 @@ class SweepDevice(Device):
             arguments = (*tables, np.int64(0), np.int64(0))
             self._grid = self._sweeps.most_blocks(self.kernel, arguments)
             self._launch(arguments)
-            self._queue.synchronize()
+            self.queue.synchronize()
 
     def sweep(self, tables: Any, first: int, last: int) -> Any:
         """Queue some blocks of layers. Returns a ticket."""
         with translated("a kernel was launched"):
             self._launch((*tables, np.int64(first), np.int64(last)))
             ticket = self._cuda.event(timing=False)
-            ticket.record(self._queue)
+            ticket.record(self.queue)
         return ticket
 
     def _launch(self, arguments: tuple) -> None:
         with warnings.catch_warnings():
             # That a small picture does not fill the device
             warnings.filterwarnings("ignore", "Grid size")
-            self.kernel[self._grid, self._sweeps.THREADS, self._queue](*arguments)
+            self.kernel[self._grid, self._sweeps.THREADS, self.queue](*arguments)
 
     def upload(self, part: Any) -> Any:
         """Return a packed tuple with its arrays on the device; one named twice is one there too."""
@@ -72,7 +68,7 @@ class SweepDevice(Device):
         if id(part) not in self._known:
             blank = part.size > 1 and not any(part.strides)
             if blank:
-                there = self._sweeps.array_of(part.flat[0], part.shape, self._queue)
+                there = self._sweeps.array_of(part.flat[0], part.shape, self.queue)
             else:
                 there = super()._uploaded(part)
             self._known[id(part)] = there

@@ -6,14 +6,12 @@ from layer to layer: the optical depth that a ray has met before a block is kept
 inside the block is summed again for each layer.
 """
 
-import math
-
 import numpy as np
 
 from ..packed import Beam, LayerBlock, Layers
 from .cone_beams import direction_at, eye_secant, mean_transmitted, relieved, span_of, transmitted
 from .cone_layers import SEGMENT
-from .cone_single import seen_light
+from .cone_single import light_through, missing_behind
 from .jit import device
 
 f32, i32, index = np.float32, np.int32, np.uintp
@@ -223,18 +221,14 @@ def blurred_light(perspective, kappa, missing, layers, layer, row, column):
     """What a layer sends to the eye of the light in one buffer per colour, per optical depth."""
     oblique = eye_secant(perspective, row, column)
     depth = layers.depth[layer, row, column]
-    last = missing.shape[0] - 1
-    red = (ONE - missing[0, row, column]) * mean_transmitted(
-        oblique * (depth + kappa * met_in(layers.tinted, layers.depth, 0, layer, row, column))
-    )
-    if last == 0:
+    met = kappa * met_in(layers.tinted, layers.depth, 0, layer, row, column)
+    red = light_through(missing[0, row, column], oblique, depth, met)
+    if missing.shape[0] == 1:
         return red, red, red
-    green = (ONE - missing[1, row, column]) * mean_transmitted(
-        oblique * (depth + kappa * met_in(layers.tinted, layers.depth, 1, layer, row, column))
-    )
-    blue = (ONE - missing[last, row, column]) * mean_transmitted(
-        oblique * (depth + kappa * met_in(layers.tinted, layers.depth, 2, layer, row, column))
-    )
+    met = kappa * met_in(layers.tinted, layers.depth, 1, layer, row, column)
+    green = light_through(missing[1, row, column], oblique, depth, met)
+    met = kappa * met_in(layers.tinted, layers.depth, 2, layer, row, column)
+    blue = light_through(missing[2, row, column], oblique, depth, met)
     return red, green, blue
 
 
@@ -243,9 +237,10 @@ def blurred_shadow(perspective, kappa, missing, layers, layer, row, column):
     """Take the light in one buffer per colour through a pixel of a layer."""
     oblique = eye_secant(perspective, row, column)
     for channel in range(missing.shape[0]):
-        depth = met_in(layers.tinted, layers.depth, channel, layer, row, column)
-        T = transmitted(kappa * oblique * depth)
-        missing[channel, row, column] = ONE - (ONE - missing[channel, row, column]) * T
+        missing[channel, row, column] = missing_behind(
+            missing[channel, row, column], oblique,
+            kappa * met_in(layers.tinted, layers.depth, channel, layer, row, column),
+        )  # fmt: skip
 
 
 @device
@@ -260,23 +255,3 @@ def window_mean(values, row, column, down, across, width):
         if 0 <= j < rows and 0 <= i < columns:
             total += values[j, i] * (rest if abs(k) > reach else ONE)
     return total / width
-
-
-@device
-def published_light(perspective, missing, layers, layer, row, column):
-    """What a layer sends to the eye as published, per optical depth; see `published_read`."""
-    a = layers.depth[layer, row, column] * eye_secant(perspective, row, column)
-    return (ONE - missing[row, column]) * (-math.expm1(-a) / a if a > f32(1e-6) else ONE)
-
-
-@device
-def published_shadow(missing, layers, layer, points, secants, exact, row, column):
-    """What is missing of the light behind a pixel of a layer; see `published_update`."""
-    a = layers.depth[layer, row, column]
-    n = len(secants)
-    total = ZERO
-    for k in range(n):
-        V = seen_light(missing, f32(row) + points[k, 0], f32(column) + points[k, 1])
-        total += V * math.exp(-a * secants[k]) if exact else V
-    total /= f32(n)
-    return ONE - (total if exact else total * math.exp(-a))

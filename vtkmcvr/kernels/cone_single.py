@@ -16,6 +16,22 @@ ZERO, HALF, ONE, TWO = f32(0.0), f32(0.5), f32(1.0), f32(2.0)
 
 
 @device
+def light_through(missing, oblique, depth, met):
+    """What a layer sends to the eye of the light in a buffer, per optical depth.
+
+    `depth` is the layer's for the eye, `met` for the cone's mean path; both are measured along the
+    view axis, of which the pixel's own ray goes `oblique` times as far.
+    """
+    return (ONE - missing) * mean_transmitted(oblique * (depth + met))
+
+
+@device
+def missing_behind(missing, oblique, met):
+    """What is missing of the light behind a layer; as `light_through`."""
+    return ONE - (ONE - missing) * transmitted(oblique * met)
+
+
+@device
 def single_layer(
     perspective, kappa, missing, part, depth, tinted, filled, visible, layer, light
 ):
@@ -27,18 +43,17 @@ def single_layer(
         row, start, end = visible.listed[run, 0], visible.listed[run, 1], visible.listed[run, 2]
         slot = visible.slot[run] - start
         for column in range(start, end):
-            oblique = eye_secant(perspective, row, column)
-            path = oblique * (
-                depth[layer, row, index(column)] + kappa * tinted[layer, row, index(column)]
-            )
-            V = ONE - missing[row, index(column)]
-            light[index(slot + column)] = V * mean_transmitted(path)
+            light[index(slot + column)] = light_through(
+                missing[row, index(column)], eye_secant(perspective, row, column),
+                depth[layer, row, index(column)], kappa * tinted[layer, row, index(column)],
+            )  # fmt: skip
     for run in range(filled.first[layer], filled.first[layer + 1]):
         row, start, end = filled.listed[run, 0], filled.listed[run, 1], filled.listed[run, 2]
         for column in range(start, end):
-            oblique = eye_secant(perspective, row, column)
-            T = transmitted(kappa * oblique * tinted[layer, row, index(column)])
-            missing[row, index(column)] = ONE - (ONE - missing[row, index(column)]) * T
+            missing[row, index(column)] = missing_behind(
+                missing[row, index(column)], eye_secant(perspective, row, column),
+                kappa * tinted[layer, row, index(column)],
+            )  # fmt: skip
         part = (
             min(part[0], row), max(part[1], row + 1), min(part[2], start), max(part[3], end)
         )  # fmt: skip
@@ -82,38 +97,50 @@ def seen_light(missing, y, x):
     return ONE - f32(total)
 
 
-@kernel
-def published_read(perspective, missing, depth, visible, layer, light):
-    """Eye pass as published: the light at the fragment's own place, alpha = 1 - exp(-sigma_t d).
+@device
+def published_light(missing, depth):
+    """What a layer sends to the eye as published, per optical depth: alpha = 1 - exp(-sigma_t d).
 
     d is the way through the layer along the pixel's own view ray, as in its alpha: not the layer's
     thickness, by which a picture's corners would send more light than they have alpha.
     """
+    return (ONE - missing) * (-math.expm1(-depth) / depth if depth > f32(1e-6) else ONE)
+
+
+@device
+def published_shadow(missing, depth, points, secants, exact, row, column):
+    """What is missing of the light behind a pixel of a layer of that optical depth.
+
+    Algorithm 2 (`exact` distances) or 3, over a grid of samples: `points` (n, 2) are offsets in
+    rows and columns, `secants` (n,) their distance over the layer's thickness.
+    """
+    n = len(secants)
+    total = ZERO
+    for k in range(n):
+        V = seen_light(missing, f32(row) + points[k, 0], f32(column) + points[k, 1])
+        total += V * math.exp(-depth * secants[k]) if exact else V
+    total /= f32(n)
+    return ONE - (total if exact else total * math.exp(-depth))
+
+
+@kernel
+def published_read(perspective, missing, depth, visible, layer, light):
+    """Eye pass as published: the light at the fragment's own place; see `published_light`."""
     for run in range(visible.first[layer], visible.first[layer + 1]):
         row, start, end = visible.listed[run, 0], visible.listed[run, 1], visible.listed[run, 2]
         slot = visible.slot[run] - start
         for column in range(start, end):
-            a = depth[layer, row, column] * eye_secant(perspective, row, column)
-            alpha = -math.expm1(-a)
-            light[slot + column] = (ONE - missing[row, column]) * (
-                alpha / a if a > f32(1e-6) else ONE
+            light[slot + column] = published_light(
+                missing[row, column],
+                depth[layer, row, column] * eye_secant(perspective, row, column),
             )
 
 
 @kernel
 def published_update(missing, target, depth, layer, points, secants, exact, row_0, row_1):
-    """Occlusion pass as published: Algorithm 2 (`exact` distances) or 3, over a grid of samples.
-
-    `points` (n, 2) are offsets in rows and columns, `secants` (n,) their distance over the layer's
-    thickness.
-    """
-    n = len(secants)
+    """Occlusion pass as published, for some rows; see `published_shadow`."""
     for row in range(row_0, row_1):
         for column in range(missing.shape[1]):
-            a = depth[layer, row, column]
-            total = ZERO
-            for k in range(n):
-                V = seen_light(missing, f32(row) + points[k, 0], f32(column) + points[k, 1])
-                total += V * math.exp(-a * secants[k]) if exact else V
-            total /= f32(n)
-            target[row, column] = ONE - (total if exact else total * math.exp(-a))
+            target[row, column] = published_shadow(
+                missing, depth[layer, row, column], points, secants, exact, row, column
+            )

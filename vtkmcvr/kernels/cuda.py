@@ -10,6 +10,7 @@ from numba import cuda
 from numba.cuda import types
 from numba.cuda.core import config
 
+from .bricks_cuda import read_bricks
 from .event import collide_more, layer_vertex
 from .jit import source_stamp
 from .sample import take_sample
@@ -81,4 +82,5 @@ if not config.ENABLE_CUDASIM:
     for function in (collide_more, layer_vertex, through_more):
         if hasattr(function, "py_func"):
             _unrolls(function)
+read_bricks()
 keep_on_disk(render_rows)

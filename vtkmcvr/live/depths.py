@@ -1,4 +1,4 @@
-"""Depth and colour of what VTK draws around the volumes, at a few places of every pixel."""
+"""Depth and colour of what VTK draws around the volumes, at a place of every pixel."""
 
 from __future__ import annotations
 
@@ -17,12 +17,6 @@ from .film_place import Place
 from .peeling import Peeler, Pixels
 
 GL_MULTISAMPLE = 0x809D
-CENTRE = ((0.5, 0.5),)
-# The usual places of eight samples of a pixel (Direct3D 11, 3.4.4.1)
-SPREAD = tuple(
-    (0.5 + x / 16, 0.5 + y / 16)
-    for x, y in ((1, -3), (-1, 3), (5, 1), (-3, -5), (-5, 5), (-7, -1), (3, 7), (7, -7))
-)
 
 
 class DepthPass:
@@ -43,10 +37,10 @@ class DepthPass:
         renderer: vtkRenderer,
         place: Place,
         props: Sequence[vtkProp],
-        offsets: Any,
+        offset: Sequence[float],
         veils: Sequence[vtkActor] = (),
     ) -> Backdrop:
-        """Backdrop at `offsets`, positions in the pixel.
+        """Backdrop at `offset`, a position in the pixel.
 
         Parameters
         ----------
@@ -54,7 +48,8 @@ class DepthPass:
         place : Place
         props : sequence of vtkProp
             Opaque.
-        offsets : array (places, 2)
+        offset : (x, y)
+            From the pixel's upper left corner, 0 to 1.
         veils : sequence of vtkActor
             Translucent meshes.
         """
@@ -62,15 +57,12 @@ class DepthPass:
         layered = renderer.GetLayer() > 0 or renderer.GetPreserveColorBuffer()
         before = _colours(renderer, place) if layered else None
         self._prepare(renderer)
-        found = []
         try:
-            for offset in offsets:
-                found.append(self._look(renderer, place, props, offset, before, bool(veils)))
+            return self._look(renderer, place, props, offset, before, bool(veils))
         finally:
             self._renderer.RemoveAllViewProps()
             if before is not None:
                 _put_back(renderer, place, before)
-        return together(found)
 
     def _prepare(self, renderer: vtkRenderer) -> None:
         own, window = self._renderer, renderer.GetRenderWindow()
@@ -184,26 +176,3 @@ def _put_back(renderer: vtkRenderer, place: Place, pixels: NDArray[np.uint8]) ->
     values = numpy_to_vtk(np.ascontiguousarray(pixels[::-1]).reshape(-1, 4), deep=True)
     window: Any = renderer.GetRenderWindow()
     window.SetRGBACharPixelData(x, y, x + width - 1, y + height - 1, values, 0, 0, 0)
-
-
-def together(parts: Sequence[Backdrop]) -> Backdrop:
-    """Backdrop with the places of several ones."""
-    return Backdrop(
-        np.concatenate([part.depth for part in parts]),
-        np.concatenate([part.colour for part in parts]),
-        np.concatenate([part.offsets for part in parts]),
-        Veils.joined([part.veils for part in parts if part.veils is not None]),
-    )
-
-
-def edges_of(backdrop: Backdrop) -> NDArray[np.bool_]:
-    """Pixels, (H, W), in which depth jumps from place to place, and their neighbours."""
-    nearest, farthest = backdrop.depth.min(axis=0), backdrop.depth.max(axis=0)
-    with np.errstate(invalid="ignore"):
-        jump = ~(farthest <= 1.01 * nearest) & np.isfinite(nearest)
-    grown = jump.copy()
-    grown[1:] |= jump[:-1]
-    grown[:-1] |= jump[1:]
-    grown[:, 1:] |= grown[:, :-1].copy()
-    grown[:, :-1] |= grown[:, 1:].copy()
-    return grown

@@ -10,17 +10,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import schedule
-from ..accuracy import image_error
+from .. import packed, schedule
 from ..noiseless import render_noiseless
 from ..pack import structure
 from ..pictures.noiseless import NoiselessPicture
 from ..pictures.picture import Display, Picture
 from ..plan import Plan
-from ..rendering import empty_film
 from ..scene import Scene
 from .settings import LiveSettings
-from .shown import noiseless_picture_of, picture_of
+from .shown import noiseless_picture_of
+from .work import Look, on_device, work_of
 
 # Longest time between two pictures to show
 STEP_SECONDS = 0.5
@@ -30,9 +29,9 @@ STEP_SECONDS = 0.5
 _compiled: set[Any] = set()
 
 
-def is_compiled(planned: Plan) -> bool:
+def is_compiled(planned: Plan, settings: LiveSettings) -> bool:
     """Whether the kernels of a scene are in memory already."""
-    return structure(planned.packed) in _compiled
+    return (on_device(planned, settings), structure(planned.packed)) in _compiled
 
 
 @dataclass(frozen=True)
@@ -127,13 +126,18 @@ class Job(Cancellable):
         self.exposure = settings.exposure_of(scene.scene)
         backdrop = scene.scene.backdrop
         self.veiled = None if backdrop is None else backdrop.veiled
-        self.film = empty_film(scene)
+        self.work = work_of(scene, settings)
         self.spent = 0.0
+
+    @property
+    def film(self) -> packed.Film:
+        """Film so far."""
+        return self.work.film
 
     @property
     def samples(self) -> int:  # type: ignore[override]
         """Samples per pixel so far."""
-        return int(self.film.count.min())
+        return self.work.samples
 
     def advance(self, most: int | None = None) -> None:
         """Add samples for up to half a second, or up to `most` in all, and make an estimate."""
@@ -141,26 +145,24 @@ class Job(Cancellable):
         rules = schedule.StopRules(
             goal, self._time_left(), self._aborted, self.settings.nrms, self.running
         )
-        threads = self.settings.threads or schedule.default_threads()
-        why, seconds = schedule.run(self.plan.packed, self.film, rules, self.settings.seed, threads)
+        why, seconds = self.work.advance(rules)
         self.spent += seconds
-        _compiled.add(structure(self.plan.packed))
+        _compiled.add((on_device(self.plan, self.settings), structure(self.plan.packed)))
         if self.cancelled:
             return
         samples = self.samples
         if why != "samples" or samples == self.settings.most_samples:
             self.stopped_by = why
-        self.newest = Estimate(
-            picture_of(self.film, self.exposure, self.edges, self.veiled), samples,
-            image_error(self.film).nrms, self.done,
-        )  # fmt: skip
+        pixels = self.work.shown(Look(self.exposure, self.edges, self.veiled))
+        self.newest = Estimate(pixels, samples, self.work.error, self.done)
 
     def picture(self) -> Picture:
-        """Return the picture so far, which shares the film."""
+        """Return the picture so far; on the CPU it shares the film."""
         threads = self.settings.threads or schedule.default_threads()
         return Picture(
             self.film, self.plan, Display(self.exposure), self.spent,
             self.stopped_by or "user", self.settings.seed, threads,
+            backend="cuda" if self.work.device_name else "cpu", device=self.work.device_name,
         )  # fmt: skip
 
     def _next(self, samples: int, most: int | None) -> int:
@@ -206,6 +208,7 @@ class NoiselessJob(Cancellable):
         picture = render_noiseless(
             own.technique, self.scene, own.occlusion or own.emission_absorption, own.exposure,
             own.exposure_of(self.scene), threads=own.threads, abort=lambda: self.cancelled,
+            backend=own.backend,
         )  # fmt: skip
         if self.cancelled:
             return

@@ -47,7 +47,7 @@ def scene_lights(
         Of the whole view.
     volume : Volume
         In the middle of a studio.
-    lighting : {"scene", "studio"} or sequence of Light
+    lighting : {"scene", "studio"}, Studio or sequence of Light
         Whose lights.
     environment : Environment
 
@@ -57,7 +57,9 @@ def scene_lights(
         The headlight that VTK adds where a scene has no light at all.
     """
     if lighting == "studio":
-        return studio_lights(Studio(), volume, camera)
+        lighting = Studio()
+    if isinstance(lighting, Studio):
+        return studio_lights(lighting, volume, camera)
     if lighting != "scene":
         return tuple(lighting)
     around = environment.of(renderer)

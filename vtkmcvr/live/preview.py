@@ -18,6 +18,7 @@ from ..scene import Scene
 from .job import Estimate
 from .settings import LiveSettings
 from .shown import noiseless_picture_of, picture_of
+from .work import Look, on_device, work_of
 
 COARSEST = 8
 # The same without noise; the time of occlusion depends little on the number of pixels
@@ -37,6 +38,8 @@ class Preview:
         scene = planned.scene
         if settings.noiseless:
             return _noiseless(coarsened(scene, NOISELESS_SCALE), settings)
+        if on_device(planned, settings):
+            return _by_device(planned, settings)
         scale = self._scale(scene.size, settings.preview)
         coarse = plan(coarsened(scene, scale), planned) if scale > 1 else planned
         film = empty_film(coarse)
@@ -55,6 +58,15 @@ class Preview:
         """Edge of a pixel of the estimate, in the window's pixels."""
         need = math.sqrt(size[0] * size[1] / max(self._rate * seconds, 1.0))
         return int(np.clip(math.ceil(need), 1, COARSEST))
+
+
+def _by_device(planned: Plan, settings: LiveSettings) -> Estimate:
+    """One sample in each pixel of the window, by a device that has compiled the kernels."""
+    work, backdrop = work_of(planned, settings), planned.scene.backdrop
+    work.advance(schedule.StopRules(1, None, None))
+    veiled = None if backdrop is None else backdrop.veiled
+    pixels = work.shown(Look(settings.exposure_of(planned.scene), None, veiled))
+    return Estimate(pixels, 1, math.inf, False)
 
 
 def _noiseless(scene: Scene, settings: LiveSettings) -> Estimate:

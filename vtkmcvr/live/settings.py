@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from .. import checks
+from ..backends import BACKENDS, check_unused
 from ..camera import Lens
 from ..emission_absorption import EmissionAbsorption
 from ..lights import Light
@@ -15,6 +16,7 @@ from ..noiseless import check_settings
 from ..occlusion import Occlusion
 from ..pictures.display import EXPOSURE, SHADED_EXPOSURE
 from ..scene import Scene
+from ..studio import Studio
 
 TECHNIQUES = ("monte-carlo", *NOISELESS)
 LIGHTING = ("scene", "studio")
@@ -43,9 +45,9 @@ class LiveSettings:
         Error at which it is done, such as 0.02.
     seconds : float, optional
         Time after which it is done.
-    lighting : {"scene", "studio"} or sequence of Light
+    lighting : {"scene", "studio"}, Studio or sequence of Light
         The renderer's own lights and environment; or a key light, a rim light and a fill that
-        follow the camera; or these lights.
+        follow the camera, of usual brightness or of a `Studio`; or these lights.
     meshes : {"drawn", "traced"}
         "drawn": VTK draws meshes; they hide the volume and are seen through it. "traced": surfaces
         of one colour are rendered with the volume instead: they receive its soft shadow, and cast
@@ -65,6 +67,8 @@ class LiveSettings:
         Same seed, same picture; >= 0.
     threads : int, optional
         >= 1. Default: all CPUs that the process may use.
+    backend : {"auto", "cpu", "cuda"}
+        Who renders; "auto" takes CUDA where it can be used. Emission and absorption are the CPU's.
     preview : float
         Seconds that the first estimate of a new view may take, > 0; it has fewer pixels where it
         has to.
@@ -76,7 +80,7 @@ class LiveSettings:
     samples: int | None = None
     nrms: float | None = None
     seconds: float | None = None
-    lighting: str | Sequence[Light] = "scene"
+    lighting: str | Studio | Sequence[Light] = "scene"
     meshes: str = "drawn"
     scattering: str = "single"
     gradient_factor: float = 0.5
@@ -85,11 +89,13 @@ class LiveSettings:
     text: bool | None = None
     seed: int = 0
     threads: int | None = None
+    backend: str = "auto"
     preview: float = 0.06
 
     def __post_init__(self) -> None:
         checks.choice("technique", self.technique, TECHNIQUES)
         checks.choice("meshes", self.meshes, MESHES)
+        checks.choice("backend", self.backend, BACKENDS)
         checks.choice("scattering", self.scattering, ("single", "multiple"))
         for name in ("samples", "threads"):
             if getattr(self, name) is not None:
@@ -114,7 +120,7 @@ class LiveSettings:
     def _check_kinds(self) -> None:
         if isinstance(self.lighting, str):
             checks.choice("lighting", self.lighting, LIGHTING)
-        else:
+        elif not isinstance(self.lighting, Studio):
             lights = tuple(self.lighting)
             _one_of("each light of lighting", lights, Light)
             object.__setattr__(self, "lighting", lights)
@@ -124,6 +130,8 @@ class LiveSettings:
         check_settings(
             self.technique, occlusion=self.occlusion, emission_absorption=self.emission_absorption
         )
+        if self.technique == "emission-absorption":
+            check_unused(self.backend, self.technique)
         if self.noiseless and self.meshes == "traced":
             raise ValueError(
                 f'technique "{self.technique}" traces no meshes: leave meshes at "drawn"'

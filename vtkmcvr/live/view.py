@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import time
 import warnings
 from collections.abc import Callable
 from typing import Any
@@ -15,17 +17,18 @@ from ..scene import Scene
 from ..vtk_bridge.props import volumes_of
 from .around import Around, around
 from .corner import CornerText
-from .depths import CENTRE, SPREAD, DepthPass, edges_of, together
+from .depths import DepthPass
 from .film_place import Place, place_of
 from .job import Estimate, Job, NoiselessJob, is_compiled
+from .places import CENTRE, Places, edges_of
 from .preview import Preview
 from .quad import PictureQuad
 from .reading import SceneReader
 from .refiner import Refiner
 from .settings import LiveSettings
 
-# Places of a pixel at which the meshes are looked at in one frame, so that no frame takes long
-PLACES = 2
+# Longest time in one frame for looking at the meshes, but for the first place of a pixel
+LOOK_SECONDS = 0.02
 
 
 class LiveView:
@@ -64,7 +67,7 @@ class LiveView:
         self._quad, self._text = PictureQuad(), CornerText()
         self._key: tuple[Any, ...] | None = None
         self._plan: Plan | None = None
-        self._places: list[Backdrop] = []
+        self._places: Places | None = None
         self._settled = True
         self._hidden: list[vtkProp] = []
         self._drawing = False
@@ -81,7 +84,12 @@ class LiveView:
         """Whether another frame would show more."""
         if self.job is None:
             return not self._settled
-        return self.job.newest is not self.shown
+        return self.job.newest is not None and self.job.newest is not self.shown
+
+    @property
+    def settled(self) -> bool:
+        """Whether the picture is in the making, and needs no frame to go on."""
+        return self._settled
 
     def change(self, settings: LiveSettings) -> None:
         """Take other settings from the next frame on."""
@@ -111,6 +119,7 @@ class LiveView:
         if self._drawing:
             return
         self._drawing = True
+        self.refiner.pause()
         try:
             self._frame()
             self.error = None
@@ -118,7 +127,6 @@ class LiveView:
             self._fail(error)
         finally:
             self._drawing = False
-        self.refiner.pause()
 
     def _end(self, *_: Any) -> None:
         self.refiner.go_on()
@@ -131,13 +139,13 @@ class LiveView:
             self._rest()
             return
         props = self._around()
-        key = self._reader.key(self.renderer, place, volumes, props)
-        if key != self._key:
+        if self._reader.key(self.renderer, place, volumes, props) != self._key:
             self._restart(place, volumes, props)
-            # Reading a scene may create functions that were never set
-            self._key = self._reader.key(self.renderer, place, volumes, props)
-        elif not self._settled and self._looked_around(place, props):
+        elif not self._settled and not self._looked(place, props, LOOK_SECONDS):
             self._settle(place, volumes, props)
+        # Reading a scene may create functions that were never set, and drawing some props elsewhere
+        # counts as a change of theirs
+        self._key = self._reader.key(self.renderer, place, volumes, props)
         self._swap()
         self._hide([*volumes, *props.hidden])
 
@@ -146,29 +154,26 @@ class LiveView:
         self.restarts += 1
         self.refiner.drop(self)
         self.job = self.shown = None
-        self._places = []
+        self._places = Places(place) if props.backdrop else None
         self._quad.actor.VisibilityOff()
         self._say_limits(props)
-        if self.progressive():
-            backdrop = self._backdrop(place, props, CENTRE) if props.backdrop else None
-            planned = self._planned(self._scene(place[2:], volumes, props, backdrop))
-            if self.settings.noiseless or is_compiled(planned):
-                self._show(self._preview.estimate(planned, self.settings))
-                self._settled = False
-                return
+        if not self.progressive():
+            self._looked(place, props, math.inf)
+            self._settle(place, volumes, props)
+            return
+        backdrop = self._backdrop(place, props, CENTRE) if props.backdrop else None
+        planned = self._planned(self._scene(place[2:], volumes, props, backdrop))
+        self._settled = False
+        if self.settings.noiseless or is_compiled(planned, self.settings):
+            self._show(self._preview.estimate(planned, self.settings))
+        else:
             # Until the kernels are there the picture is VTK's own
             self._text.say("compiling")
-        self._settle(place, volumes, props)
 
     def _settle(self, place: Place, volumes: Any, props: Around) -> None:
         """Make the picture in full, here or in the background."""
-        backdrop = None
-        if props.backdrop:
-            rest = SPREAD[len(self._places) :]
-            if rest:
-                self._places.append(self._backdrop(place, props, rest))
-            backdrop = together(self._places)
-        self._places = []
+        backdrop = None if self._places is None else self._places.together()
+        self._places = None
         scene = self._scene(place[2:], volumes, props, backdrop)
         edges = None if backdrop is None else edges_of(backdrop)
         if self.settings.noiseless:
@@ -181,13 +186,17 @@ class LiveView:
         else:
             self.job.finish()
 
-    def _looked_around(self, place: Place, props: Around) -> bool:
-        """Look at a few more places of each pixel; whether all have been looked at."""
-        if not props.backdrop or not self.progressive():
-            return True
-        more = SPREAD[len(self._places) :][:PLACES]
-        self._places += [self._backdrop(place, props, [offset]) for offset in more]
-        return len(self._places) == len(SPREAD)
+    def _looked(self, place: Place, props: Around, seconds: float) -> bool:
+        """Look at the next places of each pixel, for so long; False: there were none left."""
+        places = self._places
+        if places is None or places.next is None:
+            return False
+        begin, longest = time.perf_counter(), 0.0
+        while places.next and time.perf_counter() - begin + longest <= seconds:
+            start = time.perf_counter()
+            places.add(self._backdrop(place, props, places.next))
+            longest = max(longest, time.perf_counter() - start)
+        return True
 
     def _planned(self, scene: Scene) -> Plan:
         self._plan = plan(scene, self._plan)
@@ -198,6 +207,7 @@ class LiveView:
         if self.job is None:
             return
         if not self.progressive() and not self.job.done:
+            self.refiner.go_on()
             self.refiner.wait()
         self.refiner.reraise()
         newest = self.job.newest
@@ -228,8 +238,8 @@ class LiveView:
             self.renderer, tuple(size), volumes, props.traced, backdrop, self.settings
         )
 
-    def _backdrop(self, place: Place, props: Around, offsets: Any) -> Backdrop:
-        return self._depths.read(self.renderer, place, props.drawn, offsets, props.veils)
+    def _backdrop(self, place: Place, props: Around, offset: Any) -> Backdrop:
+        return self._depths.read(self.renderer, place, props.drawn, offset, props.veils)
 
     def _hide(self, props: list[vtkProp]) -> None:
         if self.shown is None:

@@ -5,15 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from vtkmodules.vtkCommonCore import vtkCommand
+from vtkmodules.util.misc import calldata_type
+from vtkmodules.vtkCommonCore import VTK_INT, vtkCommand
 from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow, vtkRenderWindowInteractor
 
+from .places import SPREAD
 from .refiner import Refiner
 from .settings import LiveSettings
 from .view import LiveView
 
 # Milliseconds between two looks at the refiner
 TICK = 30
+# Priority before other observers
+FIRST = 1.0
 
 
 class LiveWindow:
@@ -57,15 +61,27 @@ class LiveWindow:
 
     def start_timer(self, interactor: vtkRenderWindowInteractor) -> None:
         """Render again, from the event loop, whenever there is more to show."""
-        if self._timer is None:
-            tag = interactor.AddObserver(vtkCommand.TimerEvent, self._tick)
-            self._timer = interactor, tag, interactor.CreateRepeatingTimer(TICK)
+        if self._timer is not None:
+            return
+        timer = interactor.CreateRepeatingTimer(TICK)
+
+        @calldata_type(VTK_INT)
+        def tick(_: Any, __: str, which: int) -> None:
+            if which == timer:
+                # Others take any timer for theirs: VTK's style of charts renders on each
+                interactor.GetCommand(tag).AbortFlagOn()
+                self._tick()
+
+        tag = interactor.AddObserver(vtkCommand.TimerEvent, tick, FIRST)
+        self._timer = interactor, tag, timer
 
     def wait(self, timeout: float | None = None) -> bool:
         """Wait until all pictures are done, and draw them; False after `timeout` seconds."""
         self._window.Render()
-        if self.waiting:
-            self._window.Render()
+        # Each frame looks at one place of the pixels at least, and the one after the last settles
+        for _ in range(len(SPREAD) + 1):
+            if not all(view.settled for view in self.views):
+                self._window.Render()
         done = self._refiner.wait(timeout)
         self._window.Render()
         return done
@@ -81,6 +97,6 @@ class LiveWindow:
         for view in self.views:
             view.close()
 
-    def _tick(self, *_: Any) -> None:
+    def _tick(self) -> None:
         if self.waiting:
             self._window.Render()

@@ -63,10 +63,10 @@ def _on_cuda(
     parts: Parts, progress: Callable[[float], object] | None, abort: Callable[[], bool] | None
 ) -> Swept:
     from ..gpu import sweeps
-    from .tables import blocks_in, kind_of, tables_of
+    from .tables import blocks_in, tables_of
 
     raster = parts.raster
-    device = sweeps.SweepDevice(kind_of(parts.light))
+    device = sweeps.SweepDevice()
     if raster.count == 0:
         return Swept(parts.film, Work(0), True, "cuda", device.name, "")
     tables = tables_of(*parts)

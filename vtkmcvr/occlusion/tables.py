@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -33,7 +32,7 @@ class Tables(NamedTuple):
     eye: packed.Eye
     shade: packed.Shade | None
     film: packed.OcclusionFilm
-    light: packed.BeamTable | packed.BlurTable | packed.PublishedTable
+    light: packed.SweptLight
     # (3,) pixels times layers: looked up, and seen; blocks behind which a view ray goes on
     work: NDArray[np.int64]
 
@@ -60,13 +59,16 @@ def tables_of(
     )
     film = packed.OcclusionFilm._make(None if a is None else blank(a.shape) for a in film)
     sheets = _sheets(raster, filling, light)
-    table = LIGHT_TABLES[kind_of(light)](raster, light)
-    return Tables(volumes, sweep, sheets, eye, shade, film, table, np.zeros(3, np.int64))
+    work = np.zeros(3, np.int64)
+    return Tables(volumes, sweep, sheets, eye, shade, film, _swept_light(raster, light), work)
 
 
-def kind_of(light: Light) -> str:
-    """Which kernel sweeps."""
-    return {Traced: "beams", Blurred: "blurred", Published: "published"}[type(light)]
+def _swept_light(raster: Raster, light: Light) -> packed.SweptLight:
+    return packed.SweptLight(
+        beams=_beam_table(raster, light) if isinstance(light, Traced) else None,
+        blurred=_blur_table(raster, light) if isinstance(light, Blurred) else None,
+        published=_published_table(raster, light) if isinstance(light, Published) else None,
+    )
 
 
 def blank(shape: tuple[int, ...], value: float = 0, kind: Any = f32) -> NDArray[Any]:
@@ -153,10 +155,3 @@ def _published_table(raster: Raster, light: Published) -> packed.PublishedTable:
         np.ascontiguousarray(points, f32), light.secants, np.bool_(light.exact),
         blank((2, raster.rows, raster.columns)),
     )  # fmt: skip
-
-
-LIGHT_TABLES: dict[str, Callable[[Raster, Any], Any]] = {
-    "beams": _beam_table,
-    "blurred": _blur_table,
-    "published": _published_table,
-}

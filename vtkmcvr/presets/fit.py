@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..curves import Curve
 from ..scene import Camera, Scene, Volume
 from ..segmentation import Segmentation
-from ..studio import studio_lights
+from ..studio import Studio, studio_lights
 from .body import DENSER_THAN, body_mask, worth_hiding
 from .catalogue import LOOKS, look_named
 from .choice import choose_look
@@ -44,6 +44,8 @@ class Dressed:
         World points that a picture of what is seen should hold. None: nothing is seen.
     segmentation : Segmentation, optional
         Whose labels are solids, or are left out.
+    studio : Studio
+        The look's light, which the scene's lights are where the camera stands now.
     """
 
     scene: Scene
@@ -52,6 +54,7 @@ class Dressed:
     notes: tuple[str, ...]
     points: NDArray | None = None
     segmentation: Segmentation | None = None
+    studio: Studio = field(default_factory=Studio)
 
 
 @dataclass(frozen=True)
@@ -124,8 +127,9 @@ def dress(
         chosen = preset is None
     told = _told(look, scene, fit.units or units, chosen=chosen, empty=not seen.any())
     return Dressed(
-        scene, look.exposure, look.name, (told, *fit.notes, *hidden), seen_points(volume, seen)
-    )
+        scene, look.exposure, look.name, (told, *fit.notes, *hidden), seen_points(volume, seen),
+        studio=look.studio,
+    )  # fmt: skip
 
 
 def look_of(

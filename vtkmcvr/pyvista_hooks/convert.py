@@ -11,6 +11,7 @@ from ..vtk_bridge.image import image_of_arrays
 if TYPE_CHECKING:
     from ..pictures.noiseless import NoiselessPicture
     from ..pictures.picture import Picture
+    from ..volume import Volume
 
 
 def to_pyvista(picture: Picture | NoiselessPicture) -> pv.ImageData:
@@ -20,4 +21,13 @@ def to_pyvista(picture: Picture | NoiselessPicture) -> pv.ImageData:
     """
     image = pv.ImageData()
     image.ShallowCopy(image_of_arrays(picture.arrays()))
+    return image
+
+
+def image_of_volume(volume: Volume) -> pv.ImageData:
+    """Image of a volume's scalars, with its place in the world."""
+    image = pv.ImageData(dimensions=volume.values.shape[2::-1], spacing=volume.spacing)
+    image.origin = volume.index_to_world[:3, 3]
+    image.direction_matrix = volume.index_to_world[:3, :3] / volume.spacing
+    image["scalars"] = volume.values.ravel()
     return image

@@ -169,15 +169,16 @@ def focus_distance(job: Any, column: int, row: int) -> float:
         raise RuntimeError("there is no picture yet: show the plotter first")
     if not isinstance(job, Job):
         raise ValueError("only technique monte-carlo has a lens to focus")
-    height, width = job.film.count.shape
+    film = job.film
+    height, width = film.count.shape
     if not (0 <= column < width and 0 <= row < height):
         raise ValueError(f"pixel ({column}, {row}) is not on the film of {width} x {height}")
     there = np.s_[
         max(row - AROUND, 0) : row + AROUND + 1, max(column - AROUND, 0) : column + AROUND + 1
     ]
-    hits = job.film.hits[there]
+    hits = film.hits[there]
     if hits.any():
-        depth = float((job.film.depth[there] * hits).sum() / hits.sum())
+        depth = float((film.depth[there] * hits).sum() / hits.sum())
         return depth * _cosine(job, column, row)
     backdrop = job.plan.scene.backdrop
     if backdrop is not None and np.isfinite(backdrop.depth[:, row, column]).any():

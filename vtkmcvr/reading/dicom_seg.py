@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..volume_info import Segment
+from ..recorded_facts import Segment
 from .colours import rgb_of_dicom_lab, spread_colour
 from .dicom_frames import frames_of
 from .dicom_geometry import SAME_POSITION_MM, heights_of, plane_axes

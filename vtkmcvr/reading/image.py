@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..volume_info import record_facts
+from ..recorded_facts import record_facts
 from .volume import check_dimension, check_geometry, volume_notes
 
 if TYPE_CHECKING:

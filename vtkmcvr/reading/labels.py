@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..volume_info import Segment
+from ..recorded_facts import Segment
 from .colours import spread_colour
 from .errors import VolumeReadError
 from .itk import image_from_volume

@@ -6,7 +6,7 @@ import json
 import re
 from typing import TYPE_CHECKING, Any
 
-from ..volume_info import Segment
+from ..recorded_facts import Segment
 from .colours import spread_colour
 from .errors import fail
 

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..volume_info import Segment, count_nonfinite
+from ..recorded_facts import Segment
+from ..volume_info import count_nonfinite
 from .errors import fail
 
 if TYPE_CHECKING:

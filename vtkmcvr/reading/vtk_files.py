@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..volume_info import modality, notes, record_facts, segments, units
+from ..recorded_facts import modality, notes, record_facts, segments, units
 from .errors import fail, header_errors
 from .image import place_image, to_image
 from .resample import is_sheared, to_box

@@ -6,9 +6,10 @@ import numpy as np
 from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction
 from vtkmodules.vtkRenderingCore import vtkColorTransferFunction, vtkVolumeProperty
 
+from ..material import Surface, TransferFunction
 from ..presets import Look, look_named
 from ..presets.fit import fit_look
-from ..volume_info import units
+from ..recorded_facts import units
 from .property import phase_of, surface_of, transfer_of
 from .single import single_volume
 
@@ -73,6 +74,11 @@ def property_of_look(look: Look | str, image: vtkImageData) -> vtkVolumeProperty
     volume, _ = single_volume(image)
     fit = fit_look(chosen, volume, units(image))
     transfer = chosen.transfer(fit.shift, fit.factor, float(volume.spacing.min()))
+    return property_of_transfer(transfer, chosen.surface)
+
+
+def property_of_transfer(transfer: TransferFunction, surface: Surface | None) -> vtkVolumeProperty:
+    """Volume property of opacity and colour curves, with shading where there is a surface."""
     assert transfer.opacity is not None
     assert transfer.colour is not None
     made = vtkVolumeProperty()
@@ -85,12 +91,12 @@ def property_of_look(look: Look | str, image: vtkImageData) -> vtkVolumeProperty
     for node in transfer.colour.nodes:
         colour.AddRGBPoint(*node)
     made.SetColor(colour)
-    if chosen.surface is not None:
+    if surface is not None:
         # As `surface_of`, the other way round
-        power = chosen.surface.exponent / 4
+        power = surface.exponent / 4
         made.ShadeOn()
         made.SetSpecularPower(power)
-        made.SetSpecular(min(1.0, float(np.max(chosen.surface.specular)) * (4 * power + 2) / 8))
+        made.SetSpecular(min(1.0, float(np.max(surface.specular)) * (4 * power + 2) / 8))
     return made
 
 
