@@ -571,6 +571,23 @@ class Layers(NamedTuple):
     relief: NDArray[np.float32] | None  # optical depth that steps of the raster add to light's
 
 
+class Lanes(NamedTuple):
+    """Room for the look-ups of a row of a brick at all planes of a block, plane by plane.
+
+    Arrays of several coordinates or corners hold them one after another.
+    """
+
+    values: NDArray  # (voxels,) the volume's own, flat
+    t: NDArray[np.float32]  # (n,) depth behind the block's first plane, world units
+    cell: NDArray[np.int32]  # (3 n,) voxel before the index position
+    part: NDArray[np.float32]  # (3 n,) from there to the position
+    corner: NDArray  # (8 n,) voxels around, of their own type
+    entry: NDArray[np.float32]  # (n,) table position
+    sigma_t: NDArray[np.float32]  # (n,)
+    integral: NDArray[np.float64] | None  # (n,) None: extinction depends on more than the scalar
+    depth: NDArray[np.float32]  # (n,) optical depth to the next plane
+
+
 class Runs(NamedTuple):
     """Stretches of columns [start, end) of every row of every layer that hold anything."""
 

@@ -1,12 +1,14 @@
 """Occlusion against the cone phase function by Monte Carlo: errors, seconds, growth.
 
-python tests/bench/bench_occlusion.py [--quick]
+python tests/bench/bench_occlusion.py [--quick] [PART ...]
 
-Writes docs/occlusion.json and the tables of docs/occlusion.md. Volumes come from VTKMCVR_DATA. An
-error is the NRMS of linear radiance against a reference whose own noise, as its film estimates it,
-is taken off in quadrature. Seconds are CPU seconds of the process over the number of threads, the
-least of several runs, so that other work on the machine disturbs them little; compilation and
-reading are not counted. Half-spaces, a slab and a penumbra are compared with exact values.
+PART is errors, speeds, growth, halving, exact or reach; all without any, and of the others what was
+found before is kept. Writes docs/occlusion.json and the tables of docs/occlusion.md. Volumes come
+from VTKMCVR_DATA. An error is the NRMS of linear radiance against a reference whose own noise, as
+its film estimates it, is taken off in quadrature. Seconds are CPU seconds of the process over the
+number of threads, the least of several runs, so that other work on the machine disturbs them
+little; compilation and reading are not counted. Half-spaces, a slab and a penumbra are compared
+with exact values.
 """
 
 from __future__ import annotations
@@ -32,7 +34,9 @@ from vtkmcvr.scene import Scene, Volume
 from vtkmcvr.studio import view_camera
 from vtkmcvr.vtk_bridge.scene import volume_of
 
-sys.path[:0] = [str(Path(__file__).parents[1] / folder) for folder in (".", "occlusion")]
+FOLDERS = (".", "occlusion", "bench")
+sys.path[:0] = [str(Path(__file__).parents[1] / folder) for folder in FOLDERS]
+from occlusion_reach import shares  # noqa: E402
 from occlusion_scenes import (  # noqa: E402
     block,
     frontal,
@@ -172,6 +176,15 @@ def halving() -> list[dict]:
     return rows
 
 
+def reach() -> list[dict]:
+    """Additions to beams that anything comes of."""
+    rows = []
+    for name in ("engine", "cthead", "engine, opaque", "cthead, opaque"):
+        rows.append({"volume": name, **shares(scene_of_volume(name, 160), Occlusion(70))})
+        print(json.dumps(rows[-1]), flush=True)
+    return rows
+
+
 def exact() -> list[dict]:
     """Half-spaces by angle (HC-83), a slab without a cone, a half-plane's penumbra."""
     rows = []
@@ -225,6 +238,12 @@ def tables(facts: dict) -> str:
     ]
     lines += [
         "",
+        "| volume | additions to beams that are seen | that an open view ray may see |",
+        "|---|---|---|",
+    ]
+    lines += [f"| {r['volume']} | {r['seen']:.0%} | {r['open']:.0%} |" for r in facts["reach"]]
+    lines += [
+        "",
         "| mode | twice the slices | twice the angle (40 to 80) | 80 degrees to 10 | "
         "four times the pixels |",
         "|---|---|---|---|---|",
@@ -247,16 +266,23 @@ def tables(facts: dict) -> str:
     return "\n".join(lines)
 
 
-def main(quick: bool = False) -> None:
+def main(quick: bool, names: list[str]) -> None:
     size, samples, runs = (96, 32, 1) if quick else (160, 96, 3)
     scene = scene_of_volume("headsq", 16)
     for settings in MODES.values():
         render_occlusion(scene, Occlusion(**settings))
-    facts = {
-        "errors": errors(size, samples), "speeds": speeds(runs), "growth": growth(runs),
-        "halving": halving(), "exact": exact(), "reference_samples": samples, "size": size,
+    parts = {
+        "errors": lambda: errors(size, samples), "speeds": lambda: speeds(runs),
+        "growth": lambda: growth(runs), "halving": halving, "exact": exact, "reach": reach,
     }  # fmt: skip
-    (DOCS / "occlusion.json").write_text(json.dumps(facts, indent=1) + "\n")
+    if not set(names) <= set(parts):
+        raise SystemExit(f"parts are {', '.join(parts)}, got {' '.join(names)}")
+    found = DOCS / "occlusion.json"
+    facts = json.loads(found.read_text()) if names else {}
+    facts |= {name: parts[name]() for name in names or parts}
+    if "errors" in (names or parts):
+        facts |= {"reference_samples": samples, "size": size}
+    found.write_text(json.dumps(facts, indent=1) + "\n")
     page = DOCS / "occlusion.md"
     text = page.read_text() if page.exists() else "<!-- tables -->\n"
     head = text.split("<!-- tables -->")[0]
@@ -264,4 +290,5 @@ def main(quick: bool = False) -> None:
 
 
 if __name__ == "__main__":
-    main("--quick" in sys.argv[1:])
+    arguments = [a for a in sys.argv[1:] if a != "--quick"]
+    main(len(arguments) + 1 < len(sys.argv), arguments)

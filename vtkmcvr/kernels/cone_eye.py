@@ -4,13 +4,12 @@ Layers may hold two optical depths: the medium as it is, which gives opacity and
 light meets it, which is limited to what slices resolve and weighs the light that the eye sees.
 """
 
-import math
-
 import numpy as np
 
-from .backdrop import close_openings, open_share
-from .cone_layers import SEGMENT, find_runs, secant
-from .jit import device, kernel
+from .backdrop import open_share
+from .cone_beams import opacity
+from .cone_layers import secant
+from .jit import device
 
 f32, index = np.float32, np.uintp
 ZERO, HALF, ONE, FOUR = f32(0.0), f32(0.5), f32(1.0), f32(4.0)
@@ -62,18 +61,86 @@ def raise_pixels(relief, eye_relief, depth, layer, row, first, last, to_left, to
 
 
 @device
-def reach_of_rows(reach, filled, layer, row, columns):
-    """Columns around all that a row and its neighbours hold, or a relief held before."""
-    first, last = columns, 0
-    for r in range(max(row - 1, 0), min(row + 2, filled.count.shape[1])):
-        n = filled.count[layer, r]
-        if n > 0:
-            first = min(first, filled.start[layer, r, 0] - 1)
-            last = max(last, filled.end[layer, r, n - 1] + 1)
-    first, last = max(first, 0), min(last, columns)
-    before, after = reach[row, 0], reach[row, 1]
-    reach[row, 0], reach[row, 1] = first, last
-    return min(first, before), max(last, after)
+def see(openings, perspective, layers, eye, film, image, before, thickness, opaque, limited, layer,
+    row, first, last,
+):  # fmt: skip
+    """What view rays of a stretch see of a layer: the transmittance to it, or 0."""
+    if openings is not None:
+        see_before(
+            openings, perspective, layers, eye, film, image, before, thickness, opaque, limited,
+            layer, row, first, last,
+        )  # fmt: skip
+        return
+    start, end = max(first, image[0]), min(last, image[2])
+    for column in range(first, last):
+        layers.seen[layer, row, index(column)] = ZERO
+    for column in range(start, end):
+        i = index(column)
+        T = eye.light[row, i]
+        on = layers.depth[layer, row, i] > ZERO and T > opaque
+        layers.seen[layer, row, i] = T if on else ZERO
+
+
+@device
+def dim(openings, perspective, layers, eye, film, image, before, limited, layer, row, first, last):
+    """Take view rays of a stretch through a layer that they see, and keep its opacity.
+
+    In loops of few arrays each, which become vector code.
+    """
+    if openings is not None:
+        # Done with seeing
+        return
+    start, end = max(first, image[0]), min(last, image[2])
+    to_film = index(image[0])
+    i = index(row - image[1])
+    seen, depth, whole = layers.seen, layers.depth, layers.whole
+    for column in range(start, end):
+        k = index(column)
+        oblique = secant(perspective, f32(column) + HALF, f32(row) + HALF)
+        W = eye.whole[row, k] if limited else seen[layer, row, k]
+        lost = W * opacity(whole[layer, row, k] * oblique) if seen[layer, row, k] > ZERO else ZERO
+        film.alpha[i, k - to_film] += lost
+        film.depth[i, k - to_film] += lost * before * oblique
+        if limited:
+            eye.whole[row, k] = W - lost
+    for column in range(start, end):
+        k = index(column)
+        oblique = secant(perspective, f32(column) + HALF, f32(row) + HALF)
+        lost = seen[layer, row, k] * opacity(depth[layer, row, k] * oblique)
+        film.share[i, k - to_film] += lost
+        eye.light[row, k] -= lost
+
+
+@device
+def see_before(
+    openings, perspective, layers, eye, film, image, before, thickness, opaque, limited, layer, row,
+    first, last,
+):  # fmt: skip
+    """The same before a backdrop, and dimmed at once."""
+    i = row - image[1]
+    for column in range(first, last):
+        T = eye.light[row, column]
+        a = layers.depth[layer, row, column]
+        seen = ZERO
+        if a > ZERO and T > opaque and image[0] <= column < image[2]:
+            oblique = secant(perspective, f32(column) + HALF, f32(row) + HALF)
+            lost = T * opacity(a * oblique)
+            eye.light[row, column] = T - lost
+            j = column - image[0]
+            W = eye.whole[row, column] if limited else T
+            left = open_share(
+                openings, i, j, W, layers.whole[layer, row, column] * oblique,
+                before - HALF * thickness, thickness, ONE,
+            )  # fmt: skip
+            seen = T * left
+            film.share[i, j] += lost * left
+            if limited:
+                lost = W * opacity(layers.whole[layer, row, column] * oblique)
+                eye.whole[row, column] = W - lost
+            lost *= left
+            film.alpha[i, j] += lost
+            film.depth[i, j] += lost * before * oblique
+        layers.seen[layer, row, column] = seen
 
 
 @device
@@ -82,82 +149,14 @@ def look(
     first, last,
 ):  # fmt: skip
     """View rays of a stretch through a layer. Returns the largest transmittance to it."""
+    see(
+        openings, perspective, layers, eye, film, image, before, thickness, opaque, limited, layer,
+        row, first, last,
+    )  # fmt: skip
+    dim(
+        openings, perspective, layers, eye, film, image, before, limited, layer, row, first, last
+    )
     brightest = ZERO
-    i = row - image[1]
     for column in range(first, last):
-        T = eye.light[row, column]
-        a = layers.depth[layer, row, column]
-        seen = ZERO
-        if a > ZERO and T > opaque and image[0] <= column < image[2]:
-            oblique = secant(perspective, f32(column) + HALF, f32(row) + HALF)
-            lost = T * math.expm1(-a * oblique)
-            eye.light[row, column] = T + lost
-            j = column - image[0]
-            W = eye.whole[row, column] if limited else T
-            left = open_share(
-                openings, i, j, W, layers.whole[layer, row, column] * oblique,
-                before - HALF * thickness, thickness, ONE,
-            )  # fmt: skip
-            seen = T * left
-            film.share[i, j] -= lost * left
-            if limited:
-                lost = W * math.expm1(-layers.whole[layer, row, column] * oblique)
-                eye.whole[row, column] = W + lost
-            lost *= left
-            film.alpha[i, j] -= lost
-            film.depth[i, j] -= lost * before * oblique
-        layers.seen[layer, row, column] = seen
-        brightest = max(brightest, seen)
+        brightest = max(brightest, layers.seen[layer, row, column])
     return brightest
-
-
-@device
-def all_dark(light, image, opaque, row_0, row_1):
-    """Whether no view ray of some rows sees any more."""
-    for row in range(max(row_0, image[1]), min(row_1, image[3])):
-        for column in range(max(image[0], 0), min(image[2], light.shape[1])):
-            if light[row, column] > opaque:
-                return False
-    return True
-
-
-@kernel
-def look_rows(
-    perspective, block, layers, filled, visible, eye, openings, film, image, opaque, limited, tiers,
-    row_0, row_1,
-):  # fmt: skip
-    """View rays of some rows through all layers.
-
-    `image` is (first column, first row, end column, end row) of what the eye sees; the layers may
-    reach beyond it. Rays whose transmittance is below `opaque` see no more. `tiers`: whether
-    stretches that count less than `FAINT` are marked as such. Returns whether no ray goes on.
-    """
-    columns = layers.depth.shape[2]
-    for layer in range(layers.depth.shape[0]):
-        before = block.before + block.thickness * (f32(layer) + HALF)
-        for row in range(row_0, row_1):
-            for segment in range(visible.flags.shape[2]):
-                visible.flags[layer, row, segment] = 0
-            if not image[1] <= row < image[3]:
-                continue
-            first, last = reach_of_rows(eye.reach, filled, layer, row, columns)
-            raise_relief(layers.relief, eye.relief, layers.depth, layer, row, first, last)
-            for segment in range(visible.flags.shape[2]):
-                if filled.flags[layer, row, segment] == 0:
-                    continue
-                brightest = look(
-                    perspective, layers, eye, openings, film, image, before, block.thickness,
-                    opaque, limited, layer, row, segment * SEGMENT, (segment + 1) * SEGMENT,
-                )  # fmt: skip
-                if brightest > ZERO:
-                    visible.flags[layer, row, segment] = 1 if tiers and brightest < FAINT else 2
-    find_runs(visible, columns, row_0, row_1)
-    return all_dark(eye.light, image, opaque, row_0, row_1)
-
-
-@kernel
-def close_rows(openings, T, row_0, row_1):
-    """End the view rays of some rows, which have gone through all layers; T is what is left."""
-    for row in range(row_0, row_1):
-        for column in range(T.shape[1]):
-            close_openings(openings, row, column, T[row, column], ONE)

@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from .cone_transfer import NOTHING, clipped, entry_at, stretch_albedo, stretch_extinction
-from .jit import device, kernel
+from .jit import device
 from .vec import at
 
 f32, i32, index = np.float32, np.int32, np.uintp
@@ -65,8 +65,8 @@ def cells_along(lo, hi, per_cell, n):
 
 
 @device
-def brick_is_empty(medium, block, column, row, columns, rows, depth):
-    """Whether no macrocell around the brick of pixels holds anything."""
+def brick_bounds(block, column, row, columns, rows, depth):
+    """Index box around a brick of pixels, from its first plane to a depth behind it."""
     lo, hi = (f32(1e30), f32(1e30), f32(1e30)), (f32(-1e30), f32(-1e30), f32(-1e30))
     for corner in range(4):
         o, d = pixel_ray(
@@ -79,6 +79,12 @@ def brick_is_empty(medium, block, column, row, columns, rows, depth):
         hi = (
             max(hi[0], max(o[0], e[0])), max(hi[1], max(o[1], e[1])), max(hi[2], max(o[2], e[2]))
         )  # fmt: skip
+    return lo, hi
+
+
+@device
+def cells_are_empty(medium, lo, hi):
+    """Whether no macrocell in an index box holds anything."""
     majorant = medium.majorant
     nz, ny, nx = majorant.shape
     x0, x1 = cells_along(lo[0], hi[0], medium.cells_per_index, nx)
@@ -90,6 +96,13 @@ def brick_is_empty(medium, block, column, row, columns, rows, depth):
                 if majorant[index(z), index(y), index(x)] > ZERO:
                     return False
     return True
+
+
+@device
+def brick_is_empty(medium, block, column, row, columns, rows, depth):
+    """Whether no macrocell around the brick of pixels holds anything."""
+    lo, hi = brick_bounds(block, column, row, columns, rows, depth)
+    return cells_are_empty(medium, lo, hi)
 
 
 @device
@@ -135,14 +148,50 @@ def dye(
 
 
 @device
+def fill_stretch(
+    medium, transfer, integrals, bleeding, layers, layer, row, column, front, back, x, y, middle,
+    more,
+):  # fmt: skip
+    """Fill a pixel of a layer whose ray is in the volume between two depths.
+
+    Table positions go from x to y there. Returns whether there is anything.
+    """
+    depth, whole = ZERO, ZERO
+    if front < back and max(x, y) > integrals.clear:
+        sigma_t, sigma_whole = stretch_extinction(
+            transfer.gradient_opacity, transfer.table_2d, medium.labels, medium, transfer,
+            integrals, x, y, middle,
+        )  # fmt: skip
+        depth, whole = sigma_t * (back - front), sigma_whole * (back - front)
+    filled = depth > ZERO
+    dye(
+        layers.tinted, layers.mixed, medium, transfer, integrals, bleeding, layer, row, column,
+        depth, x, y, middle, more,
+    )  # fmt: skip
+    if more:
+        depth += layers.depth[layer, row, column]
+        if integrals.limited:
+            whole += layers.whole[layer, row, column]
+    layers.depth[layer, row, column] = depth
+    if integrals.limited:
+        layers.whole[layer, row, column] = whole
+    return filled
+
+
+@device
+def way_inside(medium, o, d, depth):
+    """Depths, within [0, depth], between which a ray is in the volume and not clipped."""
+    nz, ny, nx = medium.values.shape
+    enter, leave = inside(o, d, (f32(nx - 1), f32(ny - 1), f32(nz - 1)), depth)
+    return clipped(medium.clip, o, d, enter, leave)
+
+
+@device
 def fill_pixel(medium, transfer, integrals, block, bleeding, layers, row, column, more):
     """All layers of one pixel, `more`: added to what is there. Returns a bit for each filled."""
     count = layers.depth.shape[0]
     o, d = pixel_ray(block, f32(column) + HALF, f32(row) + HALF)
-    nz, ny, nx = medium.values.shape
-    far = (f32(nx - 1), f32(ny - 1), f32(nz - 1))
-    enter, leave = inside(o, d, far, block.thickness * f32(count))
-    enter, leave = clipped(medium.clip, o, d, enter, leave)
+    enter, leave = way_inside(medium, o, d, block.thickness * f32(count))
     filled = 0
     x = NOTHING
     if enter < leave:
@@ -154,124 +203,12 @@ def fill_pixel(medium, transfer, integrals, block, bleeding, layers, row, column
             x = entry_at(medium, integrals, at(o, d, back))
         layers.back[layer, row, column] = x
     for layer in range(count):
-        depth, whole = ZERO, ZERO
-        first, x = layers.front[layer, row, column], layers.back[layer, row, column]
         front = max(block.thickness * f32(layer), enter)
         back = min(block.thickness * f32(layer + 1), leave)
-        middle = at(o, d, HALF * (front + back))
-        if front < back and max(first, x) > integrals.clear:
-            sigma_t, sigma_whole = stretch_extinction(
-                transfer.gradient_opacity, transfer.table_2d, medium.labels, medium, transfer,
-                integrals, first, x, middle,
-            )  # fmt: skip
-            depth, whole = sigma_t * (back - front), sigma_whole * (back - front)
-        if depth > ZERO:
+        if fill_stretch(
+            medium, transfer, integrals, bleeding, layers, layer, row, column, front, back,
+            layers.front[layer, row, column], layers.back[layer, row, column],
+            at(o, d, HALF * (front + back)), more,
+        ):  # fmt: skip
             filled |= 1 << layer
-        dye(
-            layers.tinted, layers.mixed, medium, transfer, integrals, bleeding, layer, row, column,
-            depth, first, x, middle, more,
-        )  # fmt: skip
-        if more:
-            depth += layers.depth[layer, row, column]
-            if integrals.limited:
-                whole += layers.whole[layer, row, column]
-        layers.depth[layer, row, column] = depth
-        if integrals.limited:
-            layers.whole[layer, row, column] = whole
     return filled
-
-
-@device
-def clear_planes(planes, layer, row, first, last):
-    """Make the pixels of a row empty for three colours, where there are any."""
-    if planes is None:
-        return
-    for c in range(3):
-        for column in range(first, last):
-            planes[c, layer, row, column] = ZERO
-
-
-@device
-def find_runs(runs, columns, row_0, row_1):
-    """Stretches of flagged segments in some rows of every layer."""
-    for layer in range(runs.flags.shape[0]):
-        for row in range(row_0, row_1):
-            n = 0
-            before = False
-            for segment in range(runs.flags.shape[2]):
-                now = runs.flags[layer, row, segment] > 0
-                if now:
-                    if not before:
-                        runs.start[layer, row, n] = segment * SEGMENT
-                        n += 1
-                    runs.end[layer, row, n - 1] = min((segment + 1) * SEGMENT, columns)
-                before = now
-            runs.count[layer, row] = n
-
-
-@kernel
-def clear_rows(layers, filled, row_0, row_1):
-    """Make what an earlier block left in some rows empty: neighbours look at it."""
-    for layer in range(layers.depth.shape[0]):
-        for row in range(row_0, row_1):
-            for run in range(filled.count[layer, row]):
-                first, last = filled.start[layer, row, run], filled.end[layer, row, run]
-                for column in range(first, last):
-                    layers.depth[layer, row, column] = ZERO
-                    layers.whole[layer, row, column] = ZERO
-                clear_planes(layers.tinted, layer, row, first, last)
-                clear_planes(layers.mixed, layer, row, first, last)
-            for segment in range(filled.flags.shape[2]):
-                filled.flags[layer, row, segment] = 0
-
-
-@kernel
-def fill_rows(
-    medium, transfer, integrals, block, bleeding, layers, filled, more, skip, row_0, row_1
-):
-    """Fill the layers of some rows. Returns the number of pixels times layers looked up.
-
-    `more`: a further volume, added to what is there. `skip`: whether bricks of empty macrocells are
-    passed over.
-    """
-    count, _, columns = layers.depth.shape
-    deep = block.thickness * f32(count)
-    looked_up = 0
-    for top in range(row_0, row_1, ROWS):
-        bottom = min(top + ROWS, row_1)
-        for left in range(0, columns, BRICK):
-            if skip and brick_is_empty(
-                medium, block, f32(left), f32(top), f32(BRICK), f32(bottom - top), deep
-            ):
-                continue
-            looked_up += count * (bottom - top) * BRICK
-            for row in range(top, bottom):
-                dense = 0
-                for column in range(left, left + BRICK):
-                    dense |= fill_pixel(
-                        medium, transfer, integrals, block, bleeding, layers, row, column, more
-                    )
-                for layer in range(count):
-                    if (dense >> layer) & 1 == 1:
-                        filled.flags[layer, row, left // SEGMENT] = 2
-        find_runs(filled, columns, top, bottom)
-    return looked_up
-
-
-@kernel
-def list_runs(runs):
-    """List all runs and give each its place in compact arrays. Returns their length."""
-    total, n = 0, 0
-    for layer in range(runs.count.shape[0]):
-        runs.first[layer] = n
-        for row in range(runs.count.shape[1]):
-            runs.before[layer, row] = n
-            for i in range(runs.count[layer, row]):
-                start, end = runs.start[layer, row, i], runs.end[layer, row, i]
-                runs.listed[n, 0], runs.listed[n, 1], runs.listed[n, 2] = row, start, end
-                runs.slot[n] = total
-                total += end - start
-                n += 1
-        runs.before[layer, runs.count.shape[1]] = n
-    runs.first[runs.count.shape[0]] = n
-    return total

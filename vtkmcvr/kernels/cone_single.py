@@ -8,63 +8,11 @@ import math
 import numpy as np
 
 from .cone_beams import eye_secant, mean_transmitted, transmitted
+from .cone_blur import blur_columns, blur_rows
 from .jit import device, kernel
 
 f32, i32, index = np.float32, np.int32, np.uintp
 ZERO, HALF, ONE, TWO = f32(0.0), f32(0.5), f32(1.0), f32(2.0)
-
-
-@device
-def blur_rows(source, target, width):
-    """Mean over a window of real width along rows, by running sums: any width costs the same.
-
-    A window of width w covers the pixel, whole pixels to both sides and a part of one more; its
-    variance is close to (w^2 - 1) / 12. Nothing is missing beyond the ends.
-    """
-    rows, columns = source.shape
-    reach = i32((width - ONE) * HALF)
-    rest = (width - ONE) * HALF - f32(reach)
-    scale = ONE / width
-    for row in range(rows):
-        total = ZERO
-        for i in range(min(reach, columns)):
-            total += source[row, i]
-        for i in range(columns):
-            ahead = source[row, i + reach] if i + reach < columns else ZERO
-            left = source[row, i - reach - 1] if i - reach - 1 >= 0 else ZERO
-            right = source[row, i + reach + 1] if i + reach + 1 < columns else ZERO
-            # One sum: each waits for the one before
-            total += ahead - left
-            target[row, i] = (total + rest * (left + right)) * scale
-
-
-@device
-def blur_columns(source, target, running, width):
-    """The same along columns; `running` keeps the sums of all columns."""
-    rows, columns = source.shape
-    reach = i32((width - ONE) * HALF)
-    rest = (width - ONE) * HALF - f32(reach)
-    scale = ONE / width
-    for i in range(columns):
-        running[index(i)] = ZERO
-    for row in range(min(reach, rows)):
-        for i in range(columns):
-            running[index(i)] += source[row, index(i)]
-    for row in range(rows):
-        if row + reach < rows:
-            for i in range(columns):
-                running[index(i)] += source[row + reach, index(i)]
-        for i in range(columns):
-            target[row, index(i)] = running[index(i)] * scale
-        if row - reach - 1 >= 0:
-            for i in range(columns):
-                target[row, index(i)] += rest * scale * source[row - reach - 1, index(i)]
-        if row + reach + 1 < rows:
-            for i in range(columns):
-                target[row, index(i)] += rest * scale * source[row + reach + 1, index(i)]
-        if row - reach >= 0:
-            for i in range(columns):
-                running[index(i)] -= source[row - reach, index(i)]
 
 
 @device
@@ -84,8 +32,13 @@ def missing_behind(missing, oblique, met):
 
 
 @device
-def single_layer(perspective, kappa, missing, depth, tinted, filled, visible, layer, light):
-    """What the eye sees of the light in a layer, and the light behind it."""
+def single_layer(
+    perspective, kappa, missing, part, depth, tinted, filled, visible, layer, light
+):
+    """What the eye sees of the light in a layer, and the light behind it.
+
+    Returns the part of the buffer in which anything is missing.
+    """
     for run in range(visible.first[layer], visible.first[layer + 1]):
         row, start, end = visible.listed[run, 0], visible.listed[run, 1], visible.listed[run, 2]
         slot = visible.slot[run] - start
@@ -101,23 +54,32 @@ def single_layer(perspective, kappa, missing, depth, tinted, filled, visible, la
                 missing[row, index(column)], eye_secant(perspective, row, column),
                 kappa * tinted[layer, row, index(column)],
             )  # fmt: skip
+        part = (
+            min(part[0], row), max(part[1], row + 1), min(part[2], start), max(part[3], end)
+        )  # fmt: skip
+    return part
 
 
 @kernel
 def blurred_layers(
-    perspective, kappa, missing, other, running, depth, tinted, filled, visible, widths, light
+    perspective, kappa, missing, other, running, part, depth, tinted, filled, visible, widths, light
 ):
     """Take the light of one colour through a block of layers.
 
     `kappa` is the optical depth of the cone's mean path over that of its axis: it gives the exact
     value of a half-space (HC-83). `widths` are the windows of the blur behind each layer, pixels,
-    along rows and then columns; 0: none.
+    along rows and then columns; 0: none. `part` (4,), first and end row and column between which
+    anything is missing, is kept.
     """
+    within = (part[0], part[1], part[2], part[3])
     for layer in range(depth.shape[0]):
-        single_layer(perspective, kappa, missing, depth, tinted, filled, visible, layer, light)
-        if widths[layer] > ZERO:
-            blur_rows(missing, other, widths[layer])
-            blur_columns(other, missing, running, widths[layer])
+        within = single_layer(
+            perspective, kappa, missing, within, depth, tinted, filled, visible, layer, light
+        )
+        if widths[layer] > ZERO and within[0] < within[1]:
+            within = blur_rows(missing, other, widths[layer], within)
+            within = blur_columns(other, missing, running, widths[layer], within)
+    part[0], part[1], part[2], part[3] = within
 
 
 @device

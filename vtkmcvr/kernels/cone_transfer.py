@@ -52,35 +52,41 @@ def first_entry(labels, transfer, p):
 
 
 @device
-def sigma_at(sigma_t, first, last, x):
-    """Extinction at table position x of a row; 0 where there is no data."""
-    if x < ZERO:
-        return ZERO
-    i = min(i32(x), i32(last) - i32(1))
+def integrated_at(sigma_t, depth, first, last, x):
+    """Extinction at position x of a row, 0 where there is no data, and its integral up to there."""
+    i = min(i32(max(x, ZERO)), i32(last) - i32(1))
+    f = x - f32(i)
     a = sigma_t[index(first + i)]
-    return a + (sigma_t[index(first + i + i32(1))] - a) * (x - f32(i))
+    slope = sigma_t[index(first + i + i32(1))] - a
+    integral = depth[index(first + i)] + f * (a + HALF * f * slope)
+    return (ZERO if x < ZERO else a + slope * f), integral
 
 
 @device
 def integral_at(sigma_t, depth, first, last, x):
     """Integral of the piecewise linear extinction up to position x of a row."""
-    i = min(i32(max(x, ZERO)), i32(last) - i32(1))
-    f = x - f32(i)
-    a = sigma_t[index(first + i)]
-    slope = sigma_t[index(first + i + i32(1))] - a
-    return depth[index(first + i)] + f * (a + HALF * f * slope)
+    _, integral = integrated_at(sigma_t, depth, first, last, x)
+    return integral
+
+
+@device
+def mean_between(x, y, sigma_x, sigma_y, depth_x, depth_y):
+    """Mean extinction along a stretch on which the table position goes evenly from x to y.
+
+    Of the extinction and its integral at both ends: half of an end's extinction where the other is
+    no data.
+    """
+    if x < ZERO or y < ZERO or abs(y - x) < NARROW:
+        return HALF * (sigma_x + sigma_y)
+    return max(f32(depth_y - depth_x) / (y - x), ZERO)
 
 
 @device
 def mean_extinction(sigma_t, depth, first, last, x, y):
-    """Mean extinction along a stretch on which the table position goes evenly from x to y.
-
-    Half of an end's extinction where the other is no data.
-    """
-    if x < ZERO or y < ZERO or abs(y - x) < NARROW:
-        return HALF * (sigma_at(sigma_t, first, last, x) + sigma_at(sigma_t, first, last, y))
-    step = integral_at(sigma_t, depth, first, last, y) - integral_at(sigma_t, depth, first, last, x)
-    return max(f32(step) / (y - x), ZERO)
+    """The same, looked up in a row of a table."""
+    sigma_x, depth_x = integrated_at(sigma_t, depth, first, last, x)
+    sigma_y, depth_y = integrated_at(sigma_t, depth, first, last, y)
+    return mean_between(x, y, sigma_x, sigma_y, depth_x, depth_y)
 
 
 @device

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import packed
+from ..kernels.cone_fill import LANES
 from ..pack import f32
 from ..plan import Plan
 
@@ -47,6 +48,21 @@ class Filling:
     bleeding: float | None = None
     opaque: float = OPAQUE
     skip: bool = True
+
+    def lanes(self, number: int) -> packed.Lanes:
+        """Room for looking a volume up, of one thread."""
+        medium, transfer = self.volumes[number].medium, self.volumes[number].transfer
+        more = (
+            transfer.gradient_opacity, transfer.table_2d, medium.labels, medium.holes,
+            medium.regions, self.bleeding,
+        )  # fmt: skip
+        plain = len(self.volumes) == 1 and all(part is None for part in more)
+        return packed.Lanes(
+            medium.values.reshape(-1), np.zeros(LANES, f32), np.zeros(3 * LANES, np.int32),
+            np.zeros(3 * LANES, f32), np.zeros(8 * LANES, medium.values.dtype),
+            np.zeros(LANES, f32), np.zeros(LANES, f32), np.zeros(LANES) if plain else None,
+            np.zeros(LANES, f32),
+        )  # fmt: skip
 
     @property
     def limited(self) -> bool:

@@ -93,6 +93,21 @@ class Raster:
             np.int64(span),
         )  # fmt: skip
 
+    @property
+    def slants(self) -> NDArray[np.float32] | None:
+        """Secants and cosines of view rays in perspective, (rows, n, 2).
+
+        At the middle of every row's first pixel of a segment, and beyond the last for a span more.
+        """
+        perspective = self.perspective
+        if perspective is None:
+            return None
+        first = np.arange(0, self.columns + int(perspective.span) + 1, SEGMENT)
+        x = (first + 0.5 - perspective.eye_column) * self.pitch
+        y = (np.arange(self.rows) + 0.5 - perspective.eye_row) * self.pitch
+        secant = np.sqrt(1 + x**2 + y[:, None] ** 2)
+        return np.stack([secant, 1 / secant], axis=-1).astype(f32)
+
     def block(self, first: int, volume: Filled) -> packed.LayerBlock:
         """Positions in a volume from layer `first` on, for kernels; computed in float64."""
         m, centre = volume.index_from_world, volume.index_of_centre

@@ -65,7 +65,9 @@ class Blurred:
         self.pending = 0.0
         self.missing = np.zeros((colours, raster.rows, raster.columns), f32)
         self.other = np.zeros_like(self.missing)
-        self.running = np.zeros((colours, raster.columns), f32)
+        self.running = np.zeros((colours, 2, raster.columns), f32)
+        # Where anything is missing: nowhere
+        self.part = np.array([[raster.rows, 0, raster.columns, 0]] * colours)
 
     def through(
         self, block: Block, sums: NDArray, weights: NDArray, slots: int, pool: ThreadPoolExecutor
@@ -84,7 +86,7 @@ class Blurred:
         layers = block.layers
         blurred_layers(
             self.raster.perspective, f32(self.kappa), self.missing[c], self.other[c],
-            self.running[c], layers.depth, layers.depth if layers.tinted is None else
+            self.running[c], self.part[c], layers.depth, layers.depth if layers.tinted is None else
             layers.tinted[c], block.filled, block.visible, widths, light,
         )  # fmt: skip
 

@@ -13,14 +13,16 @@ from numpy.typing import NDArray
 
 from .. import packed
 from ..kernels.cone_compose import compose_rows
-from ..kernels.cone_eye import close_rows, look_rows
-from ..kernels.cone_layers import ROWS, SEGMENT, clear_rows, fill_rows, list_runs
+from ..kernels.cone_fill import MOST_LAYERS, fill_rows
+from ..kernels.cone_layers import ROWS, SEGMENT
+from ..kernels.cone_look import close_rows, look_rows
+from ..kernels.cone_runs import clear_rows, list_runs
 from ..pack import f32
 from .medium import Filling
 from .raster import Raster
 
-# Layers worked on at a time, and most pixels of them
-MOST_LAYERS, BLOCK_PIXELS = 8, 2**22
+# Most pixels of the layers worked on at a time
+BLOCK_PIXELS = 2**22
 # Strips of rows to each thread: more even out what there is in them
 STRIPS = 2
 
@@ -148,6 +150,8 @@ class Sweep:
         chunk = max(ROWS, -(-rows // (STRIPS * threads) // ROWS) * ROWS)
         self.strips = [(a, min(a + chunk, rows)) for a in range(0, rows, chunk)]
         before: Block | None = None
+        volumes = range(len(self.filling.volumes))
+        self.lanes = {s: [self.filling.lanes(v) for v in volumes] for s in self.strips}
         with ThreadPoolExecutor(threads, thread_name_prefix="vtkmcvr") as pool:
             following = self._begin(pool, 0)
             while following is not None:
@@ -203,7 +207,7 @@ class Sweep:
         return sum(
             fill_rows(
                 volume.medium, volume.transfer, volume.integrals, place, bleeding, block.layers,
-                block.filled, number > 0, self.filling.skip, *strip,
+                block.filled, self.lanes[strip][number], number > 0, self.filling.skip, *strip,
             )
             for number, (volume, place) in enumerate(
                 zip(self.filling.volumes, block.places, strict=True)

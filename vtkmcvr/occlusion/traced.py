@@ -8,8 +8,8 @@ from concurrent.futures import Future, ThreadPoolExecutor
 import numpy as np
 from numpy.typing import NDArray
 
-from ..kernels.cone_beams import trace_beams
 from ..kernels.cone_layers import SEGMENT
+from ..kernels.cone_trace import trace_beams
 from ..pack import f32
 from .beams import Beams
 from .raster import Raster
@@ -24,8 +24,8 @@ MANY = 24
 # Rays are taken in bands of rows in which the eye sees so many pixels of a block's layers, but not
 # fewer rows: that much of all arrays fits into a core's cache
 BAND, TALL = 8192, 32
-# Room of a beam's buffer around the film, pixels
-ROOM = 192
+# Room of a beam's buffer beside the film, pixels, and rows more than the film's
+ROOM, MORE_ROWS = 192, 64
 
 
 class Traced:
@@ -45,15 +45,16 @@ class Traced:
     def __init__(self, raster: Raster, beams: Beams, colours: int):
         self.raster, self.beams, self.colours = raster, beams, colours
         self.tiers = len(beams) >= MANY
+        self.slants = raster.slants
         self.members = _groups(len(beams))
         routes = beams.routes(raster)
         before = np.cumsum([0, *(len(route.places) for route in routes)])[:-1]
         self.places = np.concatenate([route.places for route in routes])
         self.first = np.array([a + r.first for a, r in zip(before, routes, strict=True)])
         self.table = np.column_stack([beams.sideways, beams.weight]).astype(f32)
-        rows, columns = raster.rows + 2 * ROOM, raster.columns + 2 * ROOM
+        rows, columns = raster.rows + MORE_ROWS, raster.columns + 2 * ROOM
         self.buffers = np.zeros((len(beams), colours, rows, columns), f32)
-        self.origins = np.full((len(beams), colours, 2), -ROOM, np.int64)
+        self.origins = np.tile(np.array([0, -ROOM, 0]), (len(beams), colours, 1))
 
     def through(
         self, block: Block, sums: NDArray, weights: NDArray, slots: int, pool: ThreadPoolExecutor
@@ -73,7 +74,7 @@ class Traced:
         sums[:, :slots] = 0
         weights[: slots // SEGMENT] = 0
         trace_beams(
-            perspective, self.beams.cone, self.table, self.members[group],
+            perspective, self.slants, self.beams.cone, self.table, self.members[group],
             self.tiers and group >= FAINT_GROUPS, self.buffers, self.origins, self.places,
             self.first, block.start, zooms, layers,
             layers.depth[None] if layers.tinted is None else layers.tinted,
