@@ -356,6 +356,10 @@ def walk_all(medium, transfer, by_ratio, roulette, queue, n, pool):
     to compile as two.
     """
     set_out(medium, queue, n)
+    # Lanes without a ray compute too: the cells of an earlier walk may lie outside of this grid
+    for row in range(3):
+        for lane in range(POOL):
+            pool.cells[row, lane] = NONE
     following = min(n, POOL)
     for k in range(following):
         take(queue, k, pool, k)
