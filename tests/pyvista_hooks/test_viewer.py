@@ -53,6 +53,7 @@ def test_keys_change_the_technique_in_turn(viewer):
     assert seen == ["occlusion", "emission-absorption", "monte-carlo"]
 
 
+@pytest.mark.slow
 def test_a_plane_cuts_until_it_is_taken_away(viewer):
     whole = viewer.plotter.mcvr.picture.alpha
     viewer.clip()
