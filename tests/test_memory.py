@@ -26,7 +26,9 @@ def ball(n):
     return vtkmcvr.Volume.from_grid(values, (1.0, 1.0, 1.0))
 
 def picture_of(n, size):
-    return vtkmcvr.render(ball(n), preset="solid", size=size, samples=1, threads=2)
+    return vtkmcvr.render(
+        ball(n), preset="solid", size=size, samples=1, threads=2, backend="cpu"
+    )
 
 picture = picture_of(16, (8, 6))
 before = peak_memory()
