@@ -26,7 +26,9 @@ def ball(n):
     return vtkmcvr.Volume.from_grid(values, (1.0, 1.0, 1.0))
 
 def picture_of(n, size):
-    return vtkmcvr.render(ball(n), preset="solid", size=size, samples=1, threads=2)
+    return vtkmcvr.render(
+        ball(n), preset="solid", size=size, samples=1, threads=2, backend="cpu"
+    )
 
 picture = picture_of(16, (8, 6))
 before = peak_memory()
@@ -61,6 +63,19 @@ def test_picture_of_512_cubed_takes_a_quarter_more_than_its_volume_and_film():
     assert found["peak"] - found["before"] < 1.25 * found["volume"] + found["film"]
     # With all of that
     assert found["peak"] < 1.25 * found["volume"] + found["film"] + 150e6
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere a program's peak is its own anyway")
+def test_memory_of_the_program_that_started_this_one_is_not_counted():
+    big = """
+import subprocess, sys
+held = bytearray(300 * 2**20)
+held[::4096] = bytes([1]) * len(held[::4096])
+small = "from vtkmcvr.memory import peak_memory; print(peak_memory())"
+print(subprocess.run([sys.executable, "-c", small], capture_output=True, text=True).stdout)
+"""
+    out = subprocess.run([sys.executable, "-c", big], capture_output=True, text=True, check=True)
+    assert int(out.stdout) < 200 * MIB
 
 
 def test_arrays_are_rendered_without_vtk():

@@ -93,7 +93,9 @@ def test_clip_plane_lets_light_in(top):
     assert abs(mean - expected) < 4.5 * error
 
 
-@pytest.mark.parametrize("flags", [FENCE, ALL_REGIONS ^ CROSS, 0x2000])
+@pytest.mark.parametrize(
+    "flags", [FENCE, pytest.param(ALL_REGIONS ^ CROSS, marks=pytest.mark.slow), 0x2000]
+)
 def test_cropping_between_voxels_equals_a_mask(flags):
     # Planes half-way between voxels: exactly where the nearest voxel of a mask changes
     vol = noise(12)

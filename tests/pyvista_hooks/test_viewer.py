@@ -1,11 +1,15 @@
 """`vtkmcvr view`: the window shows what `vtkmcvr render` does, and its keys change the picture."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import pyvista as pv
 
 import vtkmcvr
 from vtkmcvr.cli import main
+from vtkmcvr.curves import ColourCurve
+from vtkmcvr.phases import HenyeyGreenstein
 from vtkmcvr.pyvista_hooks.viewer import Viewer
 
 SIZE, SAMPLES = (64, 48), 16
@@ -53,6 +57,7 @@ def test_keys_change_the_technique_in_turn(viewer):
     assert seen == ["occlusion", "emission-absorption", "monte-carlo"]
 
 
+@pytest.mark.slow
 def test_a_plane_cuts_until_it_is_taken_away(viewer):
     whole = viewer.plotter.mcvr.picture.alpha
     viewer.clip()
@@ -97,6 +102,18 @@ def test_without_a_display_it_says_so(monkeypatch, capsys):
     monkeypatch.setattr(pv, "system_supports_plotting", lambda: False)
     assert main(["view"]) == 2
     assert "no display" in capsys.readouterr().err
+
+
+def test_what_the_window_leaves_out_is_said(viewer, tmp_path):
+    assert viewer.limits == ()
+    dressed = vtkmcvr.scene_of(head(), preset="ct-bone", size=SIZE)
+    glowing = replace(
+        dressed.scene.transfer, emission=ColourCurve(((0, 0, 0, 0), (9, 1, 1, 1))),
+    )  # fmt: skip
+    scene = replace(dressed.scene, transfer=glowing, phase=HenyeyGreenstein(0.5))
+    limited = Viewer(replace(dressed, scene=scene), tmp_path / "kept.png", samples=1)
+    assert [("emission" in x, "phase" in x) for x in limited.limits] == [(1, 0), (0, 1)]
+    limited.close()
 
 
 def test_colours_by_voxel_are_refused(tmp_path):

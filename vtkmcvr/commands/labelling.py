@@ -9,7 +9,6 @@ from ..segmentation import Segmentation, paint
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-    from vtkmodules.vtkCommonDataModel import vtkImageData
 
     from ..labels import Labels
     from ..recorded_facts import Segment
@@ -40,6 +39,7 @@ def labelled(
     from ..readers import read_labels
     from ..recorded_facts import segments
     from ..scene import Volume
+    from ..vtk_bridge.image import grid_image
     from ..vtk_bridge.scene import volume_of
 
     parts = {part: _names(text) for part, text in chosen.items() if text}
@@ -76,18 +76,6 @@ def coloured_labels(
             painted[colour] = replace(transfer, colour=ColourCurve(((0.0, *colour),)))
         transfers[label] = painted[colour]
     return Labels(values, transfers)
-
-
-def grid_image(volume: Volume) -> vtkImageData:
-    """Image without values that has the grid of a volume."""
-    from vtkmodules.vtkCommonDataModel import vtkImageData
-
-    image = vtkImageData()
-    image.SetDimensions(*volume.shape)
-    image.SetSpacing(*volume.spacing)
-    image.SetOrigin(*volume.index_to_world[:3, 3])
-    image.SetDirectionMatrix((volume.index_to_world[:3, :3] / volume.spacing).ravel())
-    return image
 
 
 def _names(text: str) -> tuple[str, ...]:

@@ -66,8 +66,8 @@ def _data(args: argparse.Namespace) -> list[Any]:
 
 def _labels(paths: list[str], volumes: list[Any]) -> list[Any]:
     from ..readers import read_labels
+    from ..vtk_bridge.image import grid_image
     from ..vtk_bridge.scene import volume_of
-    from .labelling import grid_image
 
     if paths and not volumes:
         raise ValueError("--labels needs --input: the volume onto whose grid they are put")

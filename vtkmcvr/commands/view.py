@@ -56,7 +56,7 @@ def _view(args: argparse.Namespace) -> int:
     asked = {name: getattr(args, name) for name in names if getattr(args, name) is not None}
     viewer = Viewer(dressed, args.output or PICTURE, **asked)
     say = say_to(args)
-    for note in dressed.notes:
+    for note in (*dressed.notes, *viewer.limits):
         say(f"note: {note}")
     for key, (_, words) in viewer.keys.items():
         say(f"  {key}  {words}")

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pyvista as pv
 
-from ..vtk_bridge.image import image_of_arrays
+from ..vtk_bridge.image import grid_image, image_of_arrays
 
 if TYPE_CHECKING:
     from ..pictures.noiseless import NoiselessPicture
@@ -26,8 +26,7 @@ def to_pyvista(picture: Picture | NoiselessPicture) -> pv.ImageData:
 
 def image_of_volume(volume: Volume) -> pv.ImageData:
     """Image of a volume's scalars, with its place in the world."""
-    image = pv.ImageData(dimensions=volume.values.shape[2::-1], spacing=volume.spacing)
-    image.origin = volume.index_to_world[:3, 3]
-    image.direction_matrix = volume.index_to_world[:3, :3] / volume.spacing
+    image = pv.ImageData()
+    image.ShallowCopy(grid_image(volume))
     image["scalars"] = volume.values.ravel()
     return image

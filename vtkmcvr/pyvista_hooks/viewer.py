@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import cycle
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -13,6 +12,7 @@ from vtkmodules.vtkRenderingCore import vtkColorTransferFunction
 from vtkmodules.vtkRenderingVolumeOpenGL2 import vtkOpenGLGPUVolumeRayCastMapper
 
 from ..live.settings import TECHNIQUES
+from ..phases import Isotropic
 from ..pictures.display import srgb_encode
 from ..vtk_bridge.camera import vtk_camera_of
 from ..vtk_bridge.look import property_of_transfer
@@ -39,6 +39,11 @@ class Viewer:
     **settings
         Of `vtkmcvr.live.LiveSettings`.
 
+    Attributes
+    ----------
+    limits : tuple of str
+        What of the look VTK's volume property cannot say, and the window therefore leaves out.
+
     Raises
     ------
     ValueError
@@ -61,13 +66,14 @@ class Viewer:
         self.plotter.set_background("black")
         self.plotter.camera.DeepCopy(vtk_camera_of(scene.camera))
         self.plotter.renderer.ResetCameraClippingRange()
-        usual: dict[str, Any] = {"lighting": dressed.studio, "exposure": dressed.exposure}
+        usual: dict[str, Any] = {
+            "lighting": dressed.studio, "exposure": dressed.exposure,
+            "scattering": scene.scattering,
+        }  # fmt: skip
         if scene.surface is not None:
             usual["gradient_factor"] = scene.surface.gradient_factor
+        self.limits = _limits(scene)
         self.plotter.mcvr.enable(**(usual | settings))
-        techniques = [*TECHNIQUES, *TECHNIQUES]
-        first = techniques.index(self.plotter.mcvr.settings.technique)
-        self._techniques = cycle(techniques[first + 1 : first + 1 + len(TECHNIQUES)])
         for key, (act, _) in self.keys.items():
             self.plotter.add_key_event(key, act)
 
@@ -94,7 +100,8 @@ class Viewer:
 
     def next_technique(self) -> None:
         """Change between light transport, occlusion, and emission and absorption."""
-        self.plotter.mcvr.enable(technique=next(self._techniques))
+        now = TECHNIQUES.index(self.plotter.mcvr.settings.technique)
+        self.plotter.mcvr.enable(technique=TECHNIQUES[(now + 1) % len(TECHNIQUES)])
         self.plotter.render()
 
     def edit_opacity(self) -> None:
@@ -145,6 +152,18 @@ def _volume(scene: Scene) -> pv.Volume:
     volume.SetMapper(mapper)
     volume.SetProperty(own)
     return volume
+
+
+def _limits(scene: Scene) -> tuple[str, ...]:
+    absent = {
+        "emission": scene.transfer.emission is not None,
+        "the phase function": not isinstance(scene.phase, Isotropic),
+    }
+    return tuple(
+        f"the window leaves out {what} of this look; `vtkmcvr render` has it"
+        for what, there in absent.items()
+        if there
+    )
 
 
 def _as_displayed(function: vtkColorTransferFunction) -> vtkColorTransferFunction:

@@ -1,4 +1,4 @@
-"""Picture -> vtkImageData."""
+"""Picture, or the grid of a volume -> vtkImageData."""
 
 from __future__ import annotations
 
@@ -13,6 +13,17 @@ from vtkmodules.vtkCommonDataModel import vtkImageData
 if TYPE_CHECKING:
     from ..pictures.noiseless import NoiselessPicture
     from ..pictures.picture import Picture
+    from ..volume import Volume
+
+
+def grid_image(volume: Volume) -> vtkImageData:
+    """Image without values that has the grid of a volume."""
+    image = vtkImageData()
+    image.SetDimensions(*volume.shape)
+    image.SetSpacing(*volume.spacing)
+    image.SetOrigin(*volume.index_to_world[:3, 3])
+    image.SetDirectionMatrix((volume.index_to_world[:3, :3] / volume.spacing).ravel())
+    return image
 
 
 def image_of_arrays(arrays: Mapping[str, NDArray]) -> vtkImageData:
