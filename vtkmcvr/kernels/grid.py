@@ -31,9 +31,10 @@ def trilinear(values, p):
     ones would each be tested for being negative.
     """
     nz, ny, nx = values.shape
-    x = min(max(p[0], ZERO), f32(nx - 1))
-    y = min(max(p[1], ZERO), f32(ny - 1))
-    z = min(max(p[2], ZERO), f32(nz - 1))
+    # In this order the larger one is not NaN: no position leads out of the array
+    x = min(max(ZERO, p[0]), f32(nx - 1))
+    y = min(max(ZERO, p[1]), f32(ny - 1))
+    z = min(max(ZERO, p[2]), f32(nz - 1))
     a, b, c = min(i32(x), i32(nx - 2)), min(i32(y), i32(ny - 2)), min(i32(z), i32(nz - 2))
     fx, fy, fz = x - f32(a), y - f32(b), z - f32(c)
     v000, v100, v010, v110, v001, v101, v011, v111 = corners(values, index(a), index(b), index(c))
