@@ -21,6 +21,7 @@ pytestmark = pytest.mark.skipif(
 )
 if not config.DISABLE_JIT:
     from vtkmcvr.kernels.packets import (
+        BY_DELTA,
         enqueue,
         new_pool,
         new_queue,
@@ -54,7 +55,7 @@ def at_once(medium, transfer, ratio, rays, queue, pool, out):
             for i in range(n):
                 out[i, 3] = transmittance_found(ratio, queue, i)
         else:
-            walk_all(medium, transfer, False, np.float32(0), queue, n, pool)
+            walk_all(medium, transfer, BY_DELTA, np.float32(0), queue, n, pool)
             for i in range(n):
                 out[i, 0], out[i, 1], out[i, 2] = (
                     queue.found[i, 0], queue.found[i, 2], queue.found[i, 3]

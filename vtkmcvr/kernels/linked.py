@@ -106,7 +106,9 @@ class KernelLibrary(_Library):
         for library in parts:
             self._reload_init.update(library._reload_init)
         _link(self._final_module, parts)
-        _set_linkage(self._final_module, llvm.Linkage.weak_odr, "internal")
+        # Not "internal", which keeps the name: LLVM's loader would bind other code's function of
+        # that name to this one, whose arguments the optimiser may have changed
+        _set_linkage(self._final_module, llvm.Linkage.weak_odr, "private")
         super().finalize()
 
 

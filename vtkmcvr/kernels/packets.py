@@ -38,6 +38,8 @@ f32, i32, u32 = np.float32, np.int32, np.uint32
 ZERO, ONE = f32(0.0), f32(1.0)
 NONE, FORWARD, BACK = i32(0), i32(1), i32(-1)
 BIT = u32(1)
+# Not Python's own, which Numba would compile a function for, each
+BY_DELTA, BY_RATIO = np.bool_(False), np.bool_(True)
 
 # Rays under way: a multiple of WIDTH that keeps their state in the level 1 cache
 POOL = 2 * WIDTH
@@ -138,11 +140,10 @@ def set_out_along(medium, queue, k, axis, n):
 @device
 def set_out(medium, queue, n):
     """Put n rays of a queue at their starts."""
-    nz, ny, nx = medium.majorant.shape
+    cells = medium.majorant.shape
     for k in range(0, n, WIDTH):
-        set_out_along(medium, queue, k, 0, nx)
-        set_out_along(medium, queue, k, 1, ny)
-        set_out_along(medium, queue, k, 2, nz)
+        for axis in range(3):
+            set_out_along(medium, queue, k, axis, cells[2 - axis])
 
 
 @device
@@ -376,9 +377,9 @@ def walk_all(medium, transfer, by_ratio, roulette, queue, n, pool):
 def walk_shadows(ratio, medium, transfer, queue, n, pool):
     """Walk toward lights: by ratio tracking, or without `ratio` by delta tracking."""
     if ratio is None:
-        walk_all(medium, transfer, False, ZERO, queue, n, pool)
+        walk_all(medium, transfer, BY_DELTA, ZERO, queue, n, pool)
     else:
-        walk_all(medium, transfer, True, ratio.roulette, queue, n, pool)
+        walk_all(medium, transfer, BY_RATIO, ratio.roulette, queue, n, pool)
 
 
 @device

@@ -16,6 +16,7 @@ from .jit import device, glue, kernel
 from .kept import PLACE, keep, kept
 from .lights import light_seen
 from .packets import (
+    BY_DELTA,
     DISTANCE,
     FOUND_SCALAR,
     FOUND_SIGMA,
@@ -37,6 +38,8 @@ from .visibility import blocked, shaded_interval
 
 f32, f64, i32 = np.float32, np.float64, np.int32
 ZERO, ONE = f32(0.0), f32(1.0)
+# Not Python's own 0, for which Numba would compile each function that takes it once more
+NO_RAYS = np.int64(0)
 # Paths in step: as many as leave their state in the level 2 cache
 PATHS = 2048
 # Instead of a ray's number: nothing is in the way, nothing comes through
@@ -161,7 +164,7 @@ def render_in_step(film, scene, row_0, row_1, column_0, column_1, goal, seed, ro
         if n == 0:
             return
         # Camera rays
-        rays = 0
+        rays = NO_RAYS
         for i in range(n):
             row, column, sample = room.sample[i, 0], room.sample[i, 1], room.sample[i, 2]
             origin, d, stop, rng = camera_ray(film, scene, row, column, sample, seed)
@@ -178,9 +181,9 @@ def render_in_step(film, scene, row_0, row_1, column_0, column_1, goal, seed, ro
             )  # fmt: skip
             ahead = (origin, d, stop, light, distance, receiver, limit, triangle, enter, rng)
             keep(room.ahead, i, ahead)
-        walk_all(scene.medium, scene.transfer, False, ZERO, room.first, rays, room.pool)
+        walk_all(scene.medium, scene.transfer, BY_DELTA, ZERO, room.first, rays, room.pool)
         # What they meet, and light by light
-        rays = 0
+        rays = NO_RAYS
         for i in range(n):
             origin, d, stop, light, distance, receiver, limit, triangle, enter, rng = kept(
                 room.ahead, i, ahead
@@ -203,7 +206,7 @@ def render_in_step(film, scene, row_0, row_1, column_0, column_1, goal, seed, ro
             keep(room.lit, i, vertex)
         walk_shadows(scene.ratio, scene.medium, scene.transfer, room.second, rays, room.pool)
         # Light by scatter
-        rays = 0
+        rays = NO_RAYS
         for i in range(n):
             if not room.hit[i]:
                 continue
