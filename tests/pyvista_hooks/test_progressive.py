@@ -11,7 +11,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import pyvista as pv
 from plotters import add, look, pixels, plotter
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
 
 from vtkmcvr.live import refiner
 
@@ -31,6 +34,14 @@ def view_of(target):
     return target.mcvr._live.views[0]
 
 
+def frame_of(target):
+    """What the window shows, without drawing it anew."""
+    window, values = target.render_window, vtkUnsignedCharArray()
+    width, height = window.GetSize()
+    window.GetPixelData(0, 0, width - 1, height - 1, 1, values, 0)
+    return vtk_to_numpy(values).copy()
+
+
 def test_wait_draws_the_finished_picture(target):
     assert target.mcvr.wait(timeout=120)
     assert target.mcvr.done and target.mcvr.samples == 32
@@ -47,11 +58,40 @@ def test_a_new_view_is_shown_within_its_frame_and_then_refined(target):
     look(target, (3.0, 2.0, 6.0))
     target.render()
     assert not target.mcvr.done and target.mcvr.samples <= 1
-    assert view_of(target).waiting
-    # The next frame without a change begins the refinement
-    target.render()
+    view = view_of(target)
+    assert not view.settled and not view.waiting
+    # The next event without a change begins the refinement
+    view.look_on()
+    assert view.settled
     assert target.mcvr.wait(timeout=120)
     assert target.mcvr.samples == 32
+
+
+def test_what_has_changed_before_the_refinement_takes_another_frame(target):
+    target.mcvr.wait(timeout=120)
+    look(target, (3.0, 2.0, 6.0))
+    target.render()
+    look(target, (2.0, 3.0, 6.0))
+    view = view_of(target)
+    view.look_on()
+    assert not view.settled and view.waiting
+    target.render()
+    view.look_on()
+    assert view.settled and not view.waiting
+
+
+def test_what_is_looked_at_between_frames_leaves_the_window_as_it_is(target):
+    """The window keeps its frame, and its next one, while meshes are drawn beside it."""
+    target.add_mesh(pv.Sphere(radius=0.6, center=(0.0, 0.0, 1.2)), color="gold", render=False)
+    target.render()
+    before, view, looks = frame_of(target), view_of(target), 0
+    while not view.settled:
+        view.look_on()
+        looks += 1
+        np.testing.assert_array_equal(frame_of(target), before)
+    # One at least for the meshes, one to begin the picture
+    assert looks > 1 and np.ptp(before) > 100
+    assert view.job.edges.any()
 
 
 def test_a_change_stops_the_refinement_at_once(target):

@@ -5,9 +5,12 @@ from __future__ import annotations
 import math
 import time
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
 from vtkmodules.vtkCommonCore import vtkCommand
 from vtkmodules.vtkRenderingCore import vtkProp, vtkRenderer
 
@@ -17,7 +20,7 @@ from ..scene import Scene
 from ..vtk_bridge.props import volumes_of
 from .around import Around, around
 from .corner import CornerText
-from .depths import DepthPass
+from .depths import DepthPass, colours_below
 from .film_place import Place, place_of
 from .job import Estimate, Job, NoiselessJob, is_compiled
 from .places import CENTRE, Places, edges_of
@@ -27,7 +30,7 @@ from .reading import SceneReader
 from .refiner import Refiner
 from .settings import LiveSettings
 
-# Longest time in one frame for looking at the meshes, but for the first place of a pixel
+# Longest time in one event for looking at the meshes, but for the first place of a pixel
 LOOK_SECONDS = 0.02
 
 
@@ -68,7 +71,8 @@ class LiveView:
         self._key: tuple[Any, ...] | None = None
         self._plan: Plan | None = None
         self._places: Places | None = None
-        self._settled = True
+        self._below: NDArray[np.uint8] | None = None
+        self._settled, self._changed = True, False
         self._hidden: list[vtkProp] = []
         self._drawing = False
         self._said = ""
@@ -83,13 +87,26 @@ class LiveView:
     def waiting(self) -> bool:
         """Whether another frame would show more."""
         if self.job is None:
-            return not self._settled
+            return self._changed
         return self.job.newest is not None and self.job.newest is not self.shown
 
     @property
     def settled(self) -> bool:
         """Whether the picture is in the making, and needs no frame to go on."""
         return self._settled
+
+    def look_on(self) -> None:
+        """Do between two frames what the picture in the making wants done of VTK, for a while."""
+        if self._settled:
+            return
+        volumes, place = volumes_of(self.renderer), place_of(self.renderer)
+        with self._alone():
+            props = self._around()
+            self._changed = self._reader.key(self.renderer, place, volumes, props) != self._key
+            if not self._changed:
+                self._go_on(place, volumes, props)
+                self._key = self._reader.key(self.renderer, place, volumes, props)
+        self.refiner.go_on()
 
     def change(self, settings: LiveSettings) -> None:
         """Take other settings from the next frame on."""
@@ -116,13 +133,18 @@ class LiveView:
     # Frames
 
     def _start(self, *_: Any) -> None:
-        if self._drawing:
-            return
+        if not self._drawing:
+            with self._alone():
+                self._frame()
+                self.error = None
+
+    @contextmanager
+    def _alone(self) -> Iterator[None]:
+        """Rest the refiner, and start nothing within; what goes wrong leaves the picture to VTK."""
         self._drawing = True
         self.refiner.pause()
         try:
-            self._frame()
-            self.error = None
+            yield
         except Exception as error:
             self._fail(error)
         finally:
@@ -141,20 +163,26 @@ class LiveView:
         props = self._around()
         if self._reader.key(self.renderer, place, volumes, props) != self._key:
             self._restart(place, volumes, props)
-        elif not self._settled and not self._looked(place, props, LOOK_SECONDS):
-            self._settle(place, volumes, props)
+        elif not self._settled:
+            self._go_on(place, volumes, props)
         # Reading a scene may create functions that were never set, and drawing some props elsewhere
         # counts as a change of theirs
         self._key = self._reader.key(self.renderer, place, volumes, props)
         self._swap()
         self._hide([*volumes, *props.hidden])
 
+    def _go_on(self, place: Place, volumes: Any, props: Around) -> None:
+        """Look at more places; once there are none left, make the picture."""
+        if not self._looked(place, props, LOOK_SECONDS):
+            self._settle(place, volumes, props)
+
     def _restart(self, place: Place, volumes: Any, props: Around) -> None:
         """Begin a new picture."""
         self.restarts += 1
         self.refiner.drop(self)
-        self.job = self.shown = None
+        self.job, self.shown, self._changed = None, None, False
         self._places = Places(place) if props.backdrop else None
+        self._below = colours_below(self.renderer, place) if props.backdrop else None
         self._quad.actor.VisibilityOff()
         self._say_limits(props)
         if not self.progressive():
@@ -239,7 +267,9 @@ class LiveView:
         )
 
     def _backdrop(self, place: Place, props: Around, offset: Any) -> Backdrop:
-        return self._depths.read(self.renderer, place, props.drawn, offset, props.veils)
+        return self._depths.read(
+            self.renderer, place, props.drawn, offset, props.veils, self._below
+        )
 
     def _hide(self, props: list[vtkProp]) -> None:
         if self.shown is None:
@@ -257,7 +287,7 @@ class LiveView:
         """Draw nothing: there is no volume."""
         self.refiner.drop(self)
         self.job = self.shown = self._key = None
-        self._settled = True
+        self._settled, self._changed = True, False
         self._quad.actor.VisibilityOff()
         self._text.say("")
 

@@ -49,6 +49,11 @@ class LiveWindow:
         """Whether another frame would show more."""
         return any(view.waiting for view in self.views)
 
+    def look_on(self) -> None:
+        """Do what pictures in the making want done of VTK between two frames; for events."""
+        for view in self.views:
+            view.look_on()
+
     def check(self) -> None:
         """Raise what is wrong with any of the volumes."""
         for view in self.views:
@@ -98,5 +103,6 @@ class LiveWindow:
             view.close()
 
     def _tick(self) -> None:
+        self.look_on()
         if self.waiting:
             self._window.Render()
