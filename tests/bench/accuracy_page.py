@@ -292,8 +292,8 @@ def _peers(facts: Facts) -> list[str]:
         "",
         "Mitsuba's variants for the CPU on the same grids of extinction and albedo, baked from the "
         f"look, without surfaces, single scattering, the same three lights, {width} x {height}, "
-        f"in turns in the same run, the least time of {first['turns']}. z: difference of the mean radiance "
-        "in its standard errors, to the first variant. Quicker by: than its best variant.",
+        f"in turns in the same run, the least time of {first['turns']}. z: difference of the mean "
+        "radiance in its standard errors, to the first variant. Quicker by: than its best variant.",
         "",
         "| volume | | M paths/s | error (samples) | seconds to 10 % | quicker by | z |",
         "|---|---|---|---|---|---|---|",

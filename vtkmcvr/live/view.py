@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import math
-import time
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
 from vtkmodules.vtkCommonCore import vtkCommand
 from vtkmodules.vtkRenderingCore import vtkProp, vtkRenderer
 
@@ -20,15 +17,15 @@ from ..scene import Scene
 from ..vtk_bridge.props import volumes_of
 from .around import Around, around
 from .corner import CornerText
-from .depths import DepthPass, colours_below
 from .film_place import Place, place_of
 from .job import Estimate, Job, NoiselessJob, is_compiled
-from .places import CENTRE, Places, edges_of
+from .places import edges_of
 from .preview import Preview
 from .quad import PictureQuad
 from .reading import SceneReader
 from .refiner import Refiner
 from .settings import LiveSettings
+from .surroundings import Surroundings
 
 # Longest time in one event for looking at the meshes, but for the first place of a pixel
 LOOK_SECONDS = 0.02
@@ -66,12 +63,11 @@ class LiveView:
         self.restarts = 0
         self.job: Job | NoiselessJob | None = None
         self.shown: Estimate | None = None
-        self._reader, self._depths, self._preview = SceneReader(), DepthPass(), Preview()
+        self._reader, self._preview = SceneReader(), Preview()
+        self._surroundings = Surroundings(renderer)
         self._quad, self._text = PictureQuad(), CornerText()
         self._key: tuple[Any, ...] | None = None
         self._plan: Plan | None = None
-        self._places: Places | None = None
-        self._below: NDArray[np.uint8] | None = None
         self._settled, self._changed = True, False
         self._hidden: list[vtkProp] = []
         self._drawing = False
@@ -173,7 +169,7 @@ class LiveView:
 
     def _go_on(self, place: Place, volumes: Any, props: Around) -> None:
         """Look at more places; once there are none left, make the picture."""
-        if not self._looked(place, props, LOOK_SECONDS):
+        if not self._surroundings.look_on(props, LOOK_SECONDS):
             self._settle(place, volumes, props)
 
     def _restart(self, place: Place, volumes: Any, props: Around) -> None:
@@ -181,15 +177,14 @@ class LiveView:
         self.restarts += 1
         self.refiner.drop(self)
         self.job, self.shown, self._changed = None, None, False
-        self._places = Places(place) if props.backdrop else None
-        self._below = colours_below(self.renderer, place) if props.backdrop else None
+        self._surroundings.begin(place, props)
         self._quad.actor.VisibilityOff()
         self._say_limits(props)
         if not self.progressive():
-            self._looked(place, props, math.inf)
+            self._surroundings.look_on(props, math.inf)
             self._settle(place, volumes, props)
             return
-        backdrop = self._backdrop(place, props, CENTRE) if props.backdrop else None
+        backdrop = self._surroundings.centre(props)
         planned = self._planned(self._scene(place[2:], volumes, props, backdrop))
         self._settled = False
         if self.settings.noiseless or is_compiled(planned, self.settings):
@@ -200,8 +195,7 @@ class LiveView:
 
     def _settle(self, place: Place, volumes: Any, props: Around) -> None:
         """Make the picture in full, here or in the background."""
-        backdrop = None if self._places is None else self._places.together()
-        self._places = None
+        backdrop = self._surroundings.together()
         scene = self._scene(place[2:], volumes, props, backdrop)
         edges = None if backdrop is None else edges_of(backdrop)
         if self.settings.noiseless:
@@ -213,18 +207,6 @@ class LiveView:
             self.refiner.put(self, self.job)
         else:
             self.job.finish()
-
-    def _looked(self, place: Place, props: Around, seconds: float) -> bool:
-        """Look at the next places of each pixel, for so long; False: there were none left."""
-        places = self._places
-        if places is None or places.next is None:
-            return False
-        begin, longest = time.perf_counter(), 0.0
-        while places.next and time.perf_counter() - begin + longest <= seconds:
-            start = time.perf_counter()
-            places.add(self._backdrop(place, props, places.next))
-            longest = max(longest, time.perf_counter() - start)
-        return True
 
     def _planned(self, scene: Scene) -> Plan:
         self._plan = plan(scene, self._plan)
@@ -264,11 +246,6 @@ class LiveView:
     def _scene(self, size: Any, volumes: Any, props: Around, backdrop: Backdrop | None) -> Scene:
         return self._reader.scene(
             self.renderer, tuple(size), volumes, props.traced, backdrop, self.settings
-        )
-
-    def _backdrop(self, place: Place, props: Around, offset: Any) -> Backdrop:
-        return self._depths.read(
-            self.renderer, place, props.drawn, offset, props.veils, self._below
         )
 
     def _hide(self, props: list[vtkProp]) -> None:
