@@ -67,6 +67,19 @@ def test_a_new_view_is_shown_within_its_frame_and_then_refined(target):
     assert target.mcvr.samples == 32
 
 
+def test_a_headlight_goes_with_the_camera_and_begins_nothing_anew(target):
+    target.renderer.add_light(pv.Light(light_type="headlight"))
+    target.render()
+    look(target, (3.0, 2.0, 6.0))
+    target.render()
+    view = view_of(target)
+    restarts = view.restarts
+    view.look_on()
+    assert view.settled and not view.waiting
+    target.render()
+    assert view.restarts == restarts
+
+
 def test_what_has_changed_before_the_refinement_takes_another_frame(target):
     target.mcvr.wait(timeout=120)
     look(target, (3.0, 2.0, 6.0))
@@ -111,7 +124,10 @@ def test_a_change_stops_the_refinement_at_once(target):
 
 
 def test_the_refiner_rests_while_a_frame_is_drawn(target):
-    """No tile is begun between the two ends of a frame, and it goes on behind it."""
+    """No tile is begun between the two ends of a frame, and it goes on behind it.
+
+    The end is the window's: software GL draws after the renderer has said what.
+    """
     target.mcvr.enable(samples=2**30)
     target.render()
     target.render()
@@ -124,10 +140,12 @@ def test_the_refiner_rests_while_a_frame_is_drawn(target):
             counts.append(int(view.job.film.count.sum()))
             time.sleep(0.2)
 
-    tag = target.renderer.AddObserver("StartEvent", look_on, -1.0)
+    renderer = target.renderer
+    tags = [renderer.AddObserver(event, look_on, -1.0) for event in ("StartEvent", "EndEvent")]
     target.render()
-    target.renderer.RemoveObserver(tag)
-    assert len(counts) == 2 and counts[0] == counts[1]
+    for tag in tags:
+        renderer.RemoveObserver(tag)
+    assert len(counts) == 4 and len(set(counts)) == 1
     end = time.perf_counter() + 20
     while view.job.film.count.sum() == counts[1]:
         assert time.perf_counter() < end

@@ -147,8 +147,10 @@ class LiveView:
             self._drawing = False
 
     def _end(self, *_: Any) -> None:
-        self.refiner.go_on()
         self._show_again()
+        # A window finishes what renderers have begun, and says when it has
+        if not self.renderer.GetRenderWindow().CheckInRenderStatus():
+            self.refiner.go_on()
 
     def _frame(self) -> None:
         volumes, place = volumes_of(self.renderer), place_of(self.renderer)

@@ -42,6 +42,7 @@ class LiveWindow:
         self._window = window
         self._refiner = Refiner()
         self.views = [LiveView(r, settings, self._refiner, progressive) for r in renderers]
+        self._tag = window.AddObserver(vtkCommand.EndEvent, lambda *_: self._refiner.go_on())
         self._timer: tuple[vtkRenderWindowInteractor, int, int] | None = None
 
     @property
@@ -98,6 +99,7 @@ class LiveWindow:
             interactor.RemoveObserver(tag)
             interactor.DestroyTimer(timer)
             self._timer = None
+        self._window.RemoveObserver(self._tag)
         self._refiner.close()
         for view in self.views:
             view.close()
