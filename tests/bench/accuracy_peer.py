@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import math
 import tempfile
@@ -12,7 +11,7 @@ from typing import Any
 import numpy as np
 from accuracy_measure import THREADS, Facts
 from accuracy_volumes import on_axes, scene_named
-from bench_mitsuba import LOADER, PEERS, Contender, module
+from mitsuba_peers import LOADER, Contender, mitsubas, module
 
 from vtkmcvr.lights import ConstantEnvironment
 from vtkmcvr.plan import plan
@@ -23,32 +22,23 @@ SIZE = (96, 72)
 THEIR_SAMPLES, OUR_SAMPLES, TURNS = 8, 64, 3
 
 
-def available() -> str:
-    """Reason why there is nothing to compare with, or nothing."""
-    if importlib.util.find_spec("mitsuba") is None:
-        return "mitsuba is not installed"
-    if not (PEERS / "mitsuba_reference.py").exists():
-        return "the script that renders with Mitsuba is not in VTKMCVR_PEERS"
-    return ""
-
-
 def beside_mitsuba(name: str, volume: Volume) -> Facts:
     """Seconds and errors of both on a volume's extinction and albedo, baked at its points."""
     scene = scene_named(name, on_axes(volume), SIZE)
     with tempfile.TemporaryDirectory() as folder:
-        racers = _contenders(_bake(scene, Path(folder)))
+        racers = _contenders(bake(scene, Path(folder)))
         for racer, _ in racers:
             racer.render(0, 1)
         for turn in range(TURNS):
             for racer, samples in racers:
                 racer.turn(1 + turn, samples)
     rows = [_row(racer, samples) for racer, samples in racers]
-    theirs, ours = (racer for racer, _ in racers)
+    theirs, ours = racers[0][0], racers[-1][0]
     z = (ours.mean - theirs.mean) / math.hypot(ours.mean_error, theirs.mean_error)
     return {"size": list(SIZE), "mean_z": z, "turns": TURNS, "rows": rows}
 
 
-def _bake(scene: Scene, folder: Path) -> Path:
+def bake(scene: Scene, folder: Path) -> Path:
     """scene.json with grids of extinction and albedo."""
     volume, transfer, camera = scene.volume, scene.transfer, scene.camera
     values = np.asarray(volume.values, np.float64)
@@ -83,13 +73,9 @@ def _light(light: Any) -> Facts:
 
 
 def _contenders(path: Path) -> list[tuple[Contender, int]]:
-    import mitsuba as mi
-
-    mi.set_variant("scalar_rgb")
-    theirs = module(PEERS / "mitsuba_reference.py").build(mi, json.loads(path.read_text()), 1)
     ours = plan(module(LOADER).load_scene(path))
     return [
-        (Contender("Mitsuba", lambda seed, n: mi.render(theirs, spp=n, seed=seed)), THEIR_SAMPLES),
+        *((theirs, THEIR_SAMPLES) for theirs in mitsubas(path, grey=False)),
         (
             Contender(
                 "vtkmcvr",

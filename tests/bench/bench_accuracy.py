@@ -22,6 +22,7 @@ from pathlib import Path
 
 import accuracy_figures
 import accuracy_peer
+import mitsuba_peers
 from accuracy_measure import THREADS, Facts, fall, full_size, half_size, shaded
 from accuracy_page import FULL_BUDGET, page
 from accuracy_volumes import SUBJECTS, scene_named, volume_named
@@ -74,7 +75,7 @@ class Page:
 
     def peers(self) -> None:
         """Mitsuba, where it is."""
-        reason = accuracy_peer.available()
+        reason = mitsuba_peers.missing()
         self.facts["peers"] = {}
         for name in PEERS if not reason else ():
             self.facts["peers"][name] = accuracy_peer.beside_mitsuba(name, volume_named(name))

@@ -65,6 +65,7 @@ def events(plotter, seconds):
     while time.perf_counter() < end:
         begin = time.perf_counter()
         time.sleep(0.001)
+        live.look_on()
         drawn = live.waiting
         if drawn:
             plotter.render()

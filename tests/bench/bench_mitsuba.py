@@ -2,33 +2,37 @@
 
     python tests/bench/bench_mitsuba.py [--size 512] [--spp 8] [--repeats 2] [--json FILE]
 
-Both render single scattering in a 256^3 medium under a constant light, sparse and dense. They take
-turns, so that a machine that slows down slows both, and the median of the turns counts.
-Compilation and scene preparation are not counted: each renders once before. Ours runs with ratio
-tracking, our default, as Mitsuba does, and with binary shadow rays as Exposure Render does. Paths
-alone say little, so the table also has the NRMS error at equal samples and the speed at equal
-error: Mitsuba seems to cast two shadow rays at a collision (by light and by phase function), we
-cast one. Both use all cores; the ratio of CPU times is there because it hardly depends on what
-else the machine does.
+Both render single scattering: in a 256^3 medium under a constant light, sparse and dense; and,
+where VTKMCVR_DATA has them, in the CT head and the engine under an environment and two area lights,
+whose extinction and albedo are baked from the look, in small pictures. They take turns, so that a
+machine that slows down slows both, and the median of the turns counts. Compilation and scene
+preparation are not counted: each renders once before. Mitsuba runs in each of its variants that run
+here: scalar, and with LLVM 19 or later (Debian's libllvm19; DRJIT_LIBLLVM_PATH) vectorised. Ours
+runs with ratio tracking, our default, as Mitsuba does, and with binary shadow rays as Exposure
+Render does. Paths alone say little, so the table also has the NRMS error of one sample per pixel
+and the speed at equal error, against the best variant: Mitsuba seems to cast two shadow rays at a
+collision (by light and by phase function), we cast one. All use all cores; the ratio of CPU times
+is there because it hardly depends on what else the machine does.
 """
 
 from __future__ import annotations
 
 import argparse
-import importlib.util
 import json
+import math
 import os
 import platform
 import sys
 import tempfile
-import time
-from collections.abc import Callable
-from dataclasses import dataclass, field
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from accuracy_peer import SIZE as SMALL
+from accuracy_peer import bake
+from accuracy_volumes import DATA, SUBJECTS, on_axes, scene_named, volume_named
+from mitsuba_peers import LOADER, Contender, missing, mitsubas, module
 from numpy.typing import NDArray
 from scipy.ndimage import zoom
 
@@ -36,65 +40,9 @@ from vtkmcvr.plan import Plan, plan
 from vtkmcvr.rendering import render_scene
 from vtkmcvr.schedule import default_threads
 
-REPOSITORY = Path(__file__).resolve().parents[2]
-PEERS = Path(os.environ.get("VTKMCVR_PEERS", REPOSITORY.parent / "shared" / "peers"))
-LOADER = REPOSITORY / "tests" / "peers" / "mitsuba_scene.py"
 POINTS = 256
-
-Image = NDArray[np.float64]
-
-
-@dataclass
-class Contender:
-    """One renderer on one scene: renders (seed, spp), remembers images and seconds."""
-
-    name: str
-    render: Callable[[int, int], NDArray]
-    images: list[Image] = field(default_factory=list)
-    seconds: list[float] = field(default_factory=list)
-    cpu_seconds: list[float] = field(default_factory=list)
-
-    def turn(self, seed: int, spp: int) -> None:
-        """Render once, timed."""
-        start, cpu_start = time.perf_counter(), time.process_time()
-        image = self.render(seed, spp)
-        self.seconds.append(time.perf_counter() - start)
-        self.cpu_seconds.append(time.process_time() - cpu_start)
-        self.images.append(np.asarray(image, np.float64))
-
-    @property
-    def median(self) -> float:
-        """Seconds of one turn."""
-        return float(np.median(self.seconds))
-
-    @property
-    def mean(self) -> float:
-        """Mean of all images."""
-        return float(np.mean(self.images))
-
-    @property
-    def mean_error(self) -> float:
-        """Standard error of `mean`."""
-        variance = np.var(self.images, axis=0, ddof=1) / len(self.images)
-        # Channels are equal here: the light is grey
-        return float(np.sqrt(variance[..., 0].sum()) / variance[..., 0].size)
-
-    @property
-    def nrms(self) -> float:
-        """NRMS error of one image, from the spread of the turns."""
-        noise = float(np.var(self.images, axis=0, ddof=1).mean())
-        power = float((np.mean(self.images, axis=0) ** 2).mean()) - noise / len(self.images)
-        return float(np.sqrt(noise / power))
-
-
-def module(path: Path) -> Any:
-    """Import a script by path."""
-    spec = importlib.util.spec_from_file_location(path.stem, path)
-    assert spec is not None and spec.loader is not None
-    result = importlib.util.module_from_spec(spec)
-    sys.modules[path.stem] = result
-    spec.loader.exec_module(result)
-    return result
+SYNTHETIC = ("sparse", "dense")
+SCENES = (*SYNTHETIC, "CT head", "engine")
 
 
 def medium(dense: bool) -> NDArray[np.float32]:
@@ -133,17 +81,13 @@ def write_scene(folder: Path, dense: bool, size: int) -> Path:
     return path
 
 
-def contenders(path: Path) -> list[Contender]:
-    """Mitsuba and both of ours, ready to render."""
-    import mitsuba as mi
-
-    mi.set_variant("scalar_rgb")
-    theirs = module(PEERS / "mitsuba_reference.py").build(mi, json.loads(path.read_text()), 1)
+def contenders(path: Path, grey: bool) -> list[Contender]:
+    """Mitsuba's variants and both of ours, ready to render."""
     loader = module(LOADER)
     ratio = plan(loader.load_scene(path))
     binary = plan(loader.load_scene(path, ratio_tracking=False))
     return [
-        Contender("mitsuba scalar_rgb", lambda seed, n: mi.render(theirs, spp=n, seed=seed)),
+        *mitsubas(path, grey),
         Contender("vtkmcvr, ratio", lambda seed, n: radiance(ratio, seed, n)),
         Contender("vtkmcvr, binary", lambda seed, n: radiance(binary, seed, n)),
     ]
@@ -154,50 +98,63 @@ def radiance(planned: Plan, seed: int, spp: int) -> NDArray[np.float32]:
     return render_scene(planned, samples=spp, seed=seed).radiance
 
 
-def measure(dense: bool, size: int, spp: int, repeats: int) -> list[Contender]:
-    """Render a scene in turns."""
+def write_named(name: str, folder: Path, size: int) -> Path:
+    """scene.json of a scene by name."""
+    if name in SYNTHETIC:
+        return write_scene(folder, name == "dense", size)
+    volume = on_axes(volume_named(name))
+    return bake(scene_named(name, volume, SMALL), folder)
+
+
+def measure(name: str, size: int, spp: int, repeats: int) -> list[dict[str, Any]]:
+    """Render a scene in turns; one row for each contender."""
+    grey = name in SYNTHETIC
     with tempfile.TemporaryDirectory() as folder:
-        racers = contenders(write_scene(Path(folder), dense, size))
-    for racer in racers:
-        racer.render(0, 1)
-    for turn in range(repeats):
+        racers = contenders(write_named(name, Path(folder), size), grey)
         for racer in racers:
-            # Not the seeds of the other scene: Mitsuba's errors in both would be alike
-            racer.turn(1 + turn + repeats * dense, spp)
-    return racers
+            racer.render(0, spp)
+        # Ours take more samples in the small pictures, or their time would be that of starting
+        samples = [spp if grey or "mitsuba" in racer.name else 8 * spp for racer in racers]
+        for turn in range(repeats):
+            for racer, count in zip(racers, samples, strict=True):
+                # Not the seeds of another scene: Mitsuba's errors in both would be alike
+                racer.turn(1 + turn + repeats * SCENES.index(name), count)
+    return facts(racers, samples)
 
 
-def facts(racers: list[Contender], paths: int) -> list[dict[str, Any]]:
-    """One row for each contender, relative to the first."""
-    peer = racers[0]
-    return [
-        {
-            "name": r.name,
-            "seconds": r.seconds,
+def facts(racers: list[Contender], samples: list[int]) -> list[dict[str, Any]]:
+    """One row for each contender, relative to the variant of Mitsuba that is best at it."""
+    first, rows = racers[0], []
+    for r, count in zip(racers, samples, strict=True):
+        paths = count * r.images[0][..., 0].size
+        rows.append({
+            "name": r.name, "samples": count, "seconds": r.seconds, "cpu_seconds": r.cpu_seconds,
             "paths_per_second": paths / r.median,
-            "rate_ratio": peer.median / r.median,
-            "cpu_seconds": r.cpu_seconds,
-            "cpu_ratio": float(np.median(peer.cpu_seconds) / np.median(r.cpu_seconds)),
+            "cpu_per_path": float(np.median(r.cpu_seconds)) / paths,
             "mean": r.mean,
-            "mean_z": (r.mean - peer.mean) / max(np.hypot(r.mean_error, peer.mean_error), 1e-30),
-            "nrms": r.nrms,
+            "mean_z": (r.mean - first.mean) / max(np.hypot(r.mean_error, first.mean_error), 1e-30),
+            "nrms": r.nrms * math.sqrt(count),
             # Time to a given error goes as seconds times variance
-            "equal_error_ratio": peer.median * peer.nrms**2 / (r.median * r.nrms**2),
-        }
-        for r in racers
-    ]
+            "cost": r.median * r.nrms**2,
+        })  # fmt: skip
+    theirs = [row for row in rows if "mitsuba" in row["name"]]
+    for row in rows:
+        row["rate_ratio"] = row["paths_per_second"] / max(t["paths_per_second"] for t in theirs)
+        row["cpu_ratio"] = min(t["cpu_per_path"] for t in theirs) / row["cpu_per_path"]
+        row["equal_error_ratio"] = min(t["cost"] for t in theirs) / row["cost"]
+    return rows
 
 
 def table(rows: list[dict[str, Any]]) -> str:
     """Rows as text."""
-    titles = f"{'Mpaths/s':>9}{'ratio':>8}{'CPU ratio':>11}{'mean':>10}{'z':>6}{'NRMS':>9}"
+    titles = f"{'Mpaths/s':>9}{'ratio':>9}{'CPU ratio':>11}{'mean':>10}{'z':>6}{'NRMS':>9}"
     lines = [
-        f"{r['name']:20}{r['paths_per_second'] / 1e6:9.3f}{r['rate_ratio']:7.2f}x"
+        f"{r['name']:22}{r['paths_per_second'] / 1e6:9.3f}{r['rate_ratio']:8.2f}x"
         f"{r['cpu_ratio']:10.2f}x{r['mean']:10.6f}{r['mean_z']:6.1f}{r['nrms']:9.5f}"
         f"{r['equal_error_ratio']:12.2f}x"
         for r in rows
     ]
-    return "\n".join([f"{'':20}{titles}{'equal error':>13}", *lines])
+    return "\n".join([f"{'':22}{titles}{'equal error':>13}", *lines])
 
 
 def machine() -> dict[str, Any]:
@@ -231,6 +188,8 @@ def main() -> int:
     args = parser.parse_args()
     if args.repeats < 2:
         parser.error("--repeats must be at least 2: errors come from the spread of the turns")
+    if missing():
+        parser.error(missing())
     where = machine()
     print(", ".join(f"{key} {value}" for key, value in where.items()))
     print(
@@ -238,10 +197,13 @@ def main() -> int:
         "compilation and scene preparation not counted"
     )
     scenes = {}
-    for name in ("sparse", "dense"):
-        racers = measure(name == "dense", args.size, args.spp, args.repeats)
-        scenes[name] = facts(racers, args.size**2 * args.spp)
-        print(f"\n{name} {POINTS}^3\n{table(scenes[name])}", flush=True)
+    for name in SCENES:
+        if name not in SYNTHETIC and not (DATA / SUBJECTS[name].file).exists():
+            print(f"\n{name}: not in VTKMCVR_DATA")
+            continue
+        scenes[name] = measure(name, args.size, args.spp, args.repeats)
+        what = f"{POINTS}^3" if name in SYNTHETIC else f"{SMALL[0]} x {SMALL[1]} pixels"
+        print(f"\n{name}, {what}\n{table(scenes[name])}", flush=True)
     if args.json:
         asked = {"size": args.size, "spp": args.spp, "repeats": args.repeats}
         args.json.write_text(json.dumps({"machine": where, **asked, "scenes": scenes}, indent=2))

@@ -72,11 +72,11 @@ def test_stamp_changes_with_any_kernel_source(tmp_path):
     copy = tmp_path / "kernel_copy"
     ignore = shutil.ignore_patterns("__pycache__")
     shutil.copytree(here, copy / "kernels", ignore=ignore)
-    shutil.copy(here.parent / "packed.py", copy)
+    shutil.copytree(here.parent / "packed", copy / "packed", ignore=ignore)
     (copy / "__init__.py").touch()
     stamps = [stamp_of(tmp_path)]
     assert stamps[0] == jit.source_stamp()
-    for source in (copy / "kernels" / "grid.py", copy / "packed.py"):
+    for source in (copy / "kernels" / "grid.py", copy / "packed" / "film.py"):
         with source.open("a") as file:
             file.write("# edited\n")
         stamps.append(stamp_of(tmp_path))

@@ -11,7 +11,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import pyvista as pv
 from plotters import add, look, pixels, plotter
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
 
 from vtkmcvr.live import refiner
 
@@ -31,6 +34,14 @@ def view_of(target):
     return target.mcvr._live.views[0]
 
 
+def frame_of(target):
+    """What the window shows, without drawing it anew."""
+    window, values = target.render_window, vtkUnsignedCharArray()
+    width, height = window.GetSize()
+    window.GetPixelData(0, 0, width - 1, height - 1, 1, values, 0)
+    return vtk_to_numpy(values).copy()
+
+
 def test_wait_draws_the_finished_picture(target):
     assert target.mcvr.wait(timeout=120)
     assert target.mcvr.done and target.mcvr.samples == 32
@@ -47,11 +58,53 @@ def test_a_new_view_is_shown_within_its_frame_and_then_refined(target):
     look(target, (3.0, 2.0, 6.0))
     target.render()
     assert not target.mcvr.done and target.mcvr.samples <= 1
-    assert view_of(target).waiting
-    # The next frame without a change begins the refinement
-    target.render()
+    view = view_of(target)
+    assert not view.settled and not view.waiting
+    # The next event without a change begins the refinement
+    view.look_on()
+    assert view.settled
     assert target.mcvr.wait(timeout=120)
     assert target.mcvr.samples == 32
+
+
+def test_a_headlight_goes_with_the_camera_and_begins_nothing_anew(target):
+    target.renderer.add_light(pv.Light(light_type="headlight"))
+    target.render()
+    look(target, (3.0, 2.0, 6.0))
+    target.render()
+    view = view_of(target)
+    restarts = view.restarts
+    view.look_on()
+    assert view.settled and not view.waiting
+    target.render()
+    assert view.restarts == restarts
+
+
+def test_what_has_changed_before_the_refinement_takes_another_frame(target):
+    target.mcvr.wait(timeout=120)
+    look(target, (3.0, 2.0, 6.0))
+    target.render()
+    look(target, (2.0, 3.0, 6.0))
+    view = view_of(target)
+    view.look_on()
+    assert not view.settled and view.waiting
+    target.render()
+    view.look_on()
+    assert view.settled and not view.waiting
+
+
+def test_what_is_looked_at_between_frames_leaves_the_window_as_it_is(target):
+    """The window keeps its frame, and its next one, while meshes are drawn beside it."""
+    target.add_mesh(pv.Sphere(radius=0.6, center=(0.0, 0.0, 1.2)), color="gold", render=False)
+    target.render()
+    before, view, looks = frame_of(target), view_of(target), 0
+    while not view.settled:
+        view.look_on()
+        looks += 1
+        np.testing.assert_array_equal(frame_of(target), before)
+    # One at least for the meshes, one to begin the picture
+    assert looks > 1 and np.ptp(before) > 100
+    assert view.job.edges.any()
 
 
 def test_a_change_stops_the_refinement_at_once(target):
@@ -71,7 +124,10 @@ def test_a_change_stops_the_refinement_at_once(target):
 
 
 def test_the_refiner_rests_while_a_frame_is_drawn(target):
-    """No tile is begun between the two ends of a frame, and it goes on behind it."""
+    """No tile is begun between the two ends of a frame, and it goes on behind it.
+
+    The end is the window's: software GL draws after the renderer has said what.
+    """
     target.mcvr.enable(samples=2**30)
     target.render()
     target.render()
@@ -84,10 +140,12 @@ def test_the_refiner_rests_while_a_frame_is_drawn(target):
             counts.append(int(view.job.film.count.sum()))
             time.sleep(0.2)
 
-    tag = target.renderer.AddObserver("StartEvent", look_on, -1.0)
+    renderer = target.renderer
+    tags = [renderer.AddObserver(event, look_on, -1.0) for event in ("StartEvent", "EndEvent")]
     target.render()
-    target.renderer.RemoveObserver(tag)
-    assert len(counts) == 2 and counts[0] == counts[1]
+    for tag in tags:
+        renderer.RemoveObserver(tag)
+    assert len(counts) == 4 and len(set(counts)) == 1
     end = time.perf_counter() + 20
     while view.job.film.count.sum() == counts[1]:
         assert time.perf_counter() < end

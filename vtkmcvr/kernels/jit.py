@@ -28,7 +28,7 @@ def source_stamp() -> str:
     """Hash of the sources that compiled kernels depend on."""
     here = Path(__file__).parent
     digest = hashlib.sha256()
-    for source in [*sorted(here.glob("*.py")), here.parent / "packed.py"]:
+    for source in sorted([*here.glob("*.py"), *(here.parent / "packed").glob("*.py")]):
         digest.update(source.read_bytes())
     return digest.hexdigest()
 

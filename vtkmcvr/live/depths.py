@@ -8,25 +8,24 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
-from vtkmodules.vtkCommonCore import vtkFloatArray, vtkUnsignedCharArray
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
 from vtkmodules.vtkRenderingCore import vtkActor, vtkCamera, vtkProp, vtkRenderer
 
 from ..backdrop import Backdrop, Veils
 from .film_place import Place
-from .peeling import Peeler, Pixels
-
-GL_MULTISAMPLE = 0x809D
+from .peeling import Peeler
+from .target import Target
 
 
 class DepthPass:
-    """A renderer that draws some props of another one into the same window, just to be read back.
+    """A renderer that draws some props of another one beside the window, just to be read back.
 
-    It runs in the other's StartEvent, before that clears its part of the frame buffer, and is in no
-    window's collection.
+    It is in no window's collection, and may draw between two frames.
     """
 
     def __init__(self) -> None:
+        self._target = Target()
         self._renderer = vtkRenderer()
         self._renderer.InteractiveOff()
         self._renderer.AutomaticLightCreationOff()
@@ -39,6 +38,7 @@ class DepthPass:
         props: Sequence[vtkProp],
         offset: Sequence[float],
         veils: Sequence[vtkActor] = (),
+        below: NDArray[np.uint8] | None = None,
     ) -> Backdrop:
         """Backdrop at `offset`, a position in the pixel.
 
@@ -52,17 +52,15 @@ class DepthPass:
             From the pixel's upper left corner, 0 to 1.
         veils : sequence of vtkActor
             Translucent meshes.
+        below : array (H, W, 4), optional
+            What `colours_below` has found.
         """
         self._peeler.follow(veils)
-        layered = renderer.GetLayer() > 0 or renderer.GetPreserveColorBuffer()
-        before = _colours(renderer, place) if layered else None
         self._prepare(renderer)
         try:
-            return self._look(renderer, place, props, offset, before, bool(veils))
+            return self._look(renderer, place, props, offset, below, bool(veils))
         finally:
             self._renderer.RemoveAllViewProps()
-            if before is not None:
-                _put_back(renderer, place, before)
 
     def _prepare(self, renderer: vtkRenderer) -> None:
         own, window = self._renderer, renderer.GetRenderWindow()
@@ -83,7 +81,7 @@ class DepthPass:
         place: Place,
         props: Sequence[vtkProp],
         offset: Sequence[float],
-        before: Any,
+        below: NDArray[np.uint8] | None,
         veiled: bool,
     ) -> Backdrop:
         """Backdrop at one position in the pixel."""
@@ -92,22 +90,20 @@ class DepthPass:
         own.RemoveAllViewProps()
         for prop in props:
             own.AddViewProp(prop)
-        buffer, colour = self._draw(renderer, place)
+        buffer, colour = self._target.draw(own, place)
         # Props at the far end, such as a sky, are background
-        if before is not None:
-            colour[buffer >= 1] = before[buffer >= 1]
+        if below is not None:
+            colour[buffer >= 1] = below[buffer >= 1]
         # Premultiplied; without multisampling there is no alpha between 0 and 1
-        colour[..., :3] *= colour[..., 3:] > 0
-        veils = self._veils(renderer, place, camera, buffer) if veiled else None
+        colour[colour[..., 3] == 0] = 0
+        veils = self._veils(place, camera, buffer) if veiled else None
         depth = _distance(buffer, camera)
         return Backdrop(depth[None], colour[None], np.array([offset]), veils)
 
-    def _veils(
-        self, renderer: vtkRenderer, place: Place, camera: vtkCamera, opaque: NDArray[np.float32]
-    ) -> Veils:
+    def _veils(self, place: Place, camera: vtkCamera, opaque: NDArray[np.float32]) -> Veils:
         """Translucent surfaces before what has been drawn."""
         self._renderer.RemoveAllViewProps()
-        draw = partial(self._draw, renderer, place)
+        draw = partial(self._target.draw, self._renderer, place)
         found = [
             (_distance(buffer, camera), colour)
             for buffer, colour in self._peeler.layers(self._renderer, place, opaque, draw)
@@ -118,17 +114,6 @@ class DepthPass:
         depth, colour = (np.stack(parts)[:, None] for parts in zip(*found, strict=True))
         return Veils.of_layers(depth, colour)
 
-    def _draw(self, renderer: vtkRenderer, place: Place) -> Pixels:
-        """Depth in the buffer and colours, (H, W), row 0 on top, of what the own renderer draws."""
-        window: Any = renderer.GetRenderWindow()
-        state = window.GetState()
-        state.vtkglDisable(GL_MULTISAMPLE)
-        try:
-            self._renderer.Render()
-        finally:
-            state.vtkglEnable(GL_MULTISAMPLE)
-        return _buffer(renderer, place), _colours(renderer, place)
-
 
 def _shifted(camera: vtkCamera, place: Place, offset: Sequence[float]) -> vtkCamera:
     """Camera whose pixel centres are at a position in the pixel."""
@@ -138,14 +123,6 @@ def _shifted(camera: vtkCamera, place: Place, offset: Sequence[float]) -> vtkCam
     shift = 2 * (np.array(offset) - 0.5) * (1, -1) / (place.width, place.height)
     shifted.SetWindowCenter(*(np.array(camera.GetWindowCenter()) + shift))
     return shifted
-
-
-def _buffer(renderer: vtkRenderer, place: Place) -> NDArray[np.float32]:
-    """Depth buffer, (H, W), row 0 on top; 1 where nothing was drawn."""
-    values = vtkFloatArray()
-    x, y, width, height = place
-    renderer.GetRenderWindow().GetZbufferData(x, y, x + width - 1, y + height - 1, values)
-    return vtk_to_numpy(values).reshape(height, width)[::-1].copy()
 
 
 def _distance(buffer: NDArray[np.float32], camera: vtkCamera) -> NDArray[np.float32]:
@@ -162,17 +139,15 @@ def _distance(buffer: NDArray[np.float32], camera: vtkCamera) -> NDArray[np.floa
     return depth
 
 
-def _colours(renderer: vtkRenderer, place: Place) -> NDArray[np.uint8]:
-    """Frame buffer, (H, W, 4), row 0 on top."""
+def colours_below(renderer: vtkRenderer, place: Place) -> NDArray[np.uint8] | None:
+    """Colours, (H, W, 4), row 0 on top, over which a renderer is about to draw.
+
+    None where it clears them. To be asked for in its StartEvent.
+    """
+    if renderer.GetLayer() == 0 and not renderer.GetPreserveColorBuffer():
+        return None
     values = vtkUnsignedCharArray()
     x, y, width, height = place
     window: Any = renderer.GetRenderWindow()
     window.GetRGBACharPixelData(x, y, x + width - 1, y + height - 1, 0, values, 0)
     return vtk_to_numpy(values).reshape(height, width, 4)[::-1].copy()
-
-
-def _put_back(renderer: vtkRenderer, place: Place, pixels: NDArray[np.uint8]) -> None:
-    x, y, width, height = place
-    values = numpy_to_vtk(np.ascontiguousarray(pixels[::-1]).reshape(-1, 4), deep=True)
-    window: Any = renderer.GetRenderWindow()
-    window.SetRGBACharPixelData(x, y, x + width - 1, y + height - 1, values, 0, 0, 0)

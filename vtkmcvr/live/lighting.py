@@ -28,8 +28,11 @@ def lights_key(renderer: vtkRenderer) -> tuple[Any, ...]:
     return tuple(values), environment_key(renderer)
 
 
-def _ends(light: vtkLight) -> tuple[Any, Any]:
-    """Position and focal point; those of lights that follow the camera are seen from it."""
+def _ends(light: vtkLight) -> tuple[Any, ...]:
+    """Position and focal point; those of camera lights are seen from the camera."""
+    if light.LightTypeIsHeadlight():
+        # Where the camera is: VTK puts it there as it draws
+        return ()
     if light.LightTypeIsSceneLight():
         return light.GetTransformedPosition(), light.GetTransformedFocalPoint()
     return light.GetPosition(), light.GetFocalPoint()

@@ -20,6 +20,7 @@ from vtkmodules.vtkRenderingOpenGL2 import vtkTextureObject
 from ..vtk_bridge.props import identity
 from .around import actor_key
 from .film_place import Place
+from .target import Pixels
 
 UPDATE_SHADER = vtkCommand.UpdateShaderEvent
 GL_BLEND = 0x0BE2
@@ -31,8 +32,6 @@ DISCARDED = f"""
   if (gl_FragCoord.z <= texelFetch(peeled, ivec2(gl_FragCoord.xy) - corner, 0).r + {SAME}) discard;
 //VTK::Color::Impl
 """
-
-Pixels = tuple[NDArray[np.float32], NDArray[np.uint8]]
 
 
 class Proxy:

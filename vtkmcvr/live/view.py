@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-import time
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 from vtkmodules.vtkCommonCore import vtkCommand
@@ -17,17 +17,17 @@ from ..scene import Scene
 from ..vtk_bridge.props import volumes_of
 from .around import Around, around
 from .corner import CornerText
-from .depths import DepthPass
 from .film_place import Place, place_of
 from .job import Estimate, Job, NoiselessJob, is_compiled
-from .places import CENTRE, Places, edges_of
+from .places import edges_of
 from .preview import Preview
 from .quad import PictureQuad
 from .reading import SceneReader
 from .refiner import Refiner
 from .settings import LiveSettings
+from .surroundings import Surroundings
 
-# Longest time in one frame for looking at the meshes, but for the first place of a pixel
+# Longest time in one event for looking at the meshes, but for the first place of a pixel
 LOOK_SECONDS = 0.02
 
 
@@ -63,12 +63,12 @@ class LiveView:
         self.restarts = 0
         self.job: Job | NoiselessJob | None = None
         self.shown: Estimate | None = None
-        self._reader, self._depths, self._preview = SceneReader(), DepthPass(), Preview()
+        self._reader, self._preview = SceneReader(), Preview()
+        self._surroundings = Surroundings(renderer)
         self._quad, self._text = PictureQuad(), CornerText()
         self._key: tuple[Any, ...] | None = None
         self._plan: Plan | None = None
-        self._places: Places | None = None
-        self._settled = True
+        self._settled, self._changed = True, False
         self._hidden: list[vtkProp] = []
         self._drawing = False
         self._said = ""
@@ -83,13 +83,26 @@ class LiveView:
     def waiting(self) -> bool:
         """Whether another frame would show more."""
         if self.job is None:
-            return not self._settled
+            return self._changed
         return self.job.newest is not None and self.job.newest is not self.shown
 
     @property
     def settled(self) -> bool:
         """Whether the picture is in the making, and needs no frame to go on."""
         return self._settled
+
+    def look_on(self) -> None:
+        """Do between two frames what the picture in the making wants done of VTK, for a while."""
+        if self._settled:
+            return
+        volumes, place = volumes_of(self.renderer), place_of(self.renderer)
+        with self._alone():
+            props = self._around()
+            self._changed = self._reader.key(self.renderer, place, volumes, props) != self._key
+            if not self._changed:
+                self._go_on(place, volumes, props)
+                self._key = self._reader.key(self.renderer, place, volumes, props)
+        self.refiner.go_on()
 
     def change(self, settings: LiveSettings) -> None:
         """Take other settings from the next frame on."""
@@ -116,21 +129,28 @@ class LiveView:
     # Frames
 
     def _start(self, *_: Any) -> None:
-        if self._drawing:
-            return
+        if not self._drawing:
+            with self._alone():
+                self._frame()
+                self.error = None
+
+    @contextmanager
+    def _alone(self) -> Iterator[None]:
+        """Rest the refiner, and start nothing within; what goes wrong leaves the picture to VTK."""
         self._drawing = True
         self.refiner.pause()
         try:
-            self._frame()
-            self.error = None
+            yield
         except Exception as error:
             self._fail(error)
         finally:
             self._drawing = False
 
     def _end(self, *_: Any) -> None:
-        self.refiner.go_on()
         self._show_again()
+        # A window finishes what renderers have begun, and says when it has
+        if not self.renderer.GetRenderWindow().CheckInRenderStatus():
+            self.refiner.go_on()
 
     def _frame(self) -> None:
         volumes, place = volumes_of(self.renderer), place_of(self.renderer)
@@ -141,27 +161,32 @@ class LiveView:
         props = self._around()
         if self._reader.key(self.renderer, place, volumes, props) != self._key:
             self._restart(place, volumes, props)
-        elif not self._settled and not self._looked(place, props, LOOK_SECONDS):
-            self._settle(place, volumes, props)
+        elif not self._settled:
+            self._go_on(place, volumes, props)
         # Reading a scene may create functions that were never set, and drawing some props elsewhere
         # counts as a change of theirs
         self._key = self._reader.key(self.renderer, place, volumes, props)
         self._swap()
         self._hide([*volumes, *props.hidden])
 
+    def _go_on(self, place: Place, volumes: Any, props: Around) -> None:
+        """Look at more places; once there are none left, make the picture."""
+        if not self._surroundings.look_on(props, LOOK_SECONDS):
+            self._settle(place, volumes, props)
+
     def _restart(self, place: Place, volumes: Any, props: Around) -> None:
         """Begin a new picture."""
         self.restarts += 1
         self.refiner.drop(self)
-        self.job = self.shown = None
-        self._places = Places(place) if props.backdrop else None
+        self.job, self.shown, self._changed = None, None, False
+        self._surroundings.begin(place, props)
         self._quad.actor.VisibilityOff()
         self._say_limits(props)
         if not self.progressive():
-            self._looked(place, props, math.inf)
+            self._surroundings.look_on(props, math.inf)
             self._settle(place, volumes, props)
             return
-        backdrop = self._backdrop(place, props, CENTRE) if props.backdrop else None
+        backdrop = self._surroundings.centre(props)
         planned = self._planned(self._scene(place[2:], volumes, props, backdrop))
         self._settled = False
         if self.settings.noiseless or is_compiled(planned, self.settings):
@@ -172,8 +197,7 @@ class LiveView:
 
     def _settle(self, place: Place, volumes: Any, props: Around) -> None:
         """Make the picture in full, here or in the background."""
-        backdrop = None if self._places is None else self._places.together()
-        self._places = None
+        backdrop = self._surroundings.together()
         scene = self._scene(place[2:], volumes, props, backdrop)
         edges = None if backdrop is None else edges_of(backdrop)
         if self.settings.noiseless:
@@ -185,18 +209,6 @@ class LiveView:
             self.refiner.put(self, self.job)
         else:
             self.job.finish()
-
-    def _looked(self, place: Place, props: Around, seconds: float) -> bool:
-        """Look at the next places of each pixel, for so long; False: there were none left."""
-        places = self._places
-        if places is None or places.next is None:
-            return False
-        begin, longest = time.perf_counter(), 0.0
-        while places.next and time.perf_counter() - begin + longest <= seconds:
-            start = time.perf_counter()
-            places.add(self._backdrop(place, props, places.next))
-            longest = max(longest, time.perf_counter() - start)
-        return True
 
     def _planned(self, scene: Scene) -> Plan:
         self._plan = plan(scene, self._plan)
@@ -238,9 +250,6 @@ class LiveView:
             self.renderer, tuple(size), volumes, props.traced, backdrop, self.settings
         )
 
-    def _backdrop(self, place: Place, props: Around, offset: Any) -> Backdrop:
-        return self._depths.read(self.renderer, place, props.drawn, offset, props.veils)
-
     def _hide(self, props: list[vtkProp]) -> None:
         if self.shown is None:
             return
@@ -257,7 +266,7 @@ class LiveView:
         """Draw nothing: there is no volume."""
         self.refiner.drop(self)
         self.job = self.shown = self._key = None
-        self._settled = True
+        self._settled, self._changed = True, False
         self._quad.actor.VisibilityOff()
         self._text.say("")
 

@@ -42,12 +42,18 @@ class LiveWindow:
         self._window = window
         self._refiner = Refiner()
         self.views = [LiveView(r, settings, self._refiner, progressive) for r in renderers]
+        self._tag = window.AddObserver(vtkCommand.EndEvent, lambda *_: self._refiner.go_on())
         self._timer: tuple[vtkRenderWindowInteractor, int, int] | None = None
 
     @property
     def waiting(self) -> bool:
         """Whether another frame would show more."""
         return any(view.waiting for view in self.views)
+
+    def look_on(self) -> None:
+        """Do what pictures in the making want done of VTK between two frames; for events."""
+        for view in self.views:
+            view.look_on()
 
     def check(self) -> None:
         """Raise what is wrong with any of the volumes."""
@@ -93,10 +99,12 @@ class LiveWindow:
             interactor.RemoveObserver(tag)
             interactor.DestroyTimer(timer)
             self._timer = None
+        self._window.RemoveObserver(self._tag)
         self._refiner.close()
         for view in self.views:
             view.close()
 
     def _tick(self) -> None:
+        self.look_on()
         if self.waiting:
             self._window.Render()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import logging
+import threading
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -39,12 +40,21 @@ class HostWork:
 
     def __init__(self, planned: Plan, settings: LiveSettings) -> None:
         self.plan, self.settings = planned, settings
-        self.film = empty_film(planned)
+        self._film: packed.Film | None = None
+        self._making = threading.Lock()
+
+    @property
+    def film(self) -> packed.Film:
+        """Film so far. It is made when it is first asked for: by the refiner, not in an event."""
+        with self._making:
+            if self._film is None:
+                self._film = empty_film(self.plan)
+            return self._film
 
     @property
     def samples(self) -> int:
         """Samples per pixel so far."""
-        return int(self.film.count.min())
+        return 0 if self._film is None else int(self._film.count.min())
 
     def advance(self, rules: StopRules) -> tuple[str, float]:
         """Add samples until a rule is met. Returns (which, seconds of rendering)."""

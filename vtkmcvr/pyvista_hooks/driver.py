@@ -62,6 +62,7 @@ class Driver:
             plotter = self._plotter()
             if plotter is None:
                 return
+            self._live.look_on()
             if self._live.waiting:
                 # Unlike the window's own Render, this tells the pages that are served
                 plotter.render()
