@@ -111,6 +111,11 @@ class KernelLibrary(_Library):
         _set_linkage(self._final_module, llvm.Linkage.weak_odr, "private")
         super().finalize()
 
+    def _optimize_final_module(self):
+        """Optimise in one round: Numba's cheap one before it serves reference counts."""
+        passes, builder = self._codegen._module_pass_manager()
+        passes.run(self._final_module, builder)
+
 
 def _with_callees(libraries: Iterable[CodeLibrary]) -> list[CodeLibrary]:
     """Return the libraries and all that they call, each once."""
