@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import checks, packed
-from ..kernels.absorption import RAY_COLUMNS, absorb_rows
+from ..kernels.absorption import absorb_rows
+from ..kernels.absorption_rays import RAY_COLUMNS
 from ..occlusion.medium import OPAQUE, Filled, volumes_of
 from ..openings import Openings, openings_of
 from ..pack import f32, f64, matrix, matrix64, vector64
