@@ -16,6 +16,7 @@ from plotters import add, look, pixels, plotter
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
 
+from vtkmcvr import schedule
 from vtkmcvr.live import refiner
 
 
@@ -123,11 +124,13 @@ def test_a_change_stops_the_refinement_at_once(target):
     assert job.samples - samples <= 1
 
 
-def test_the_refiner_rests_while_a_frame_is_drawn(target):
+def test_the_refiner_rests_while_a_frame_is_drawn(target, monkeypatch):
     """No tile is begun between the two ends of a frame, and it goes on behind it.
 
     The end is the window's: software GL draws after the renderer has said what.
     """
+    # This frame takes longer than one that only draws
+    monkeypatch.setattr(schedule, "PAUSE_SECONDS", 30.0)
     target.mcvr.enable(samples=2**30)
     target.render()
     target.render()
