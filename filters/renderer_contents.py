@@ -77,8 +77,8 @@ def _surfaces(renderer: vtkRenderer, wanted: bool) -> tuple[list[Any], list[vtkP
     """Visible actors that can be traced, and the other props."""
     surfaces: list[Any] = []
     _update_actors(renderer)
-    others = translucent_props(renderer, None)
-    for prop in opaque_props(renderer, None):
+    others = translucent_props(renderer)
+    for prop in opaque_props(renderer):
         if prop.IsA("vtkSkybox"):
             continue
         plain = wanted and is_plain_surface(prop) and _polygons(prop)

@@ -8,13 +8,20 @@ import pyvista as pv
 from plotters import SIZE, add, fog, look, pixels, plotter
 
 from vtkmcvr.film import error as film_error
-from vtkmcvr.live import places, view
+from vtkmcvr.film.moments import alpha as film_alpha
+from vtkmcvr.live import places, surroundings
 from vtkmcvr.live.places import CENTRE
+from vtkmcvr.pictures.files import write_png
 from vtkmcvr.receivers import SphereReceiver
 from vtkmcvr.rendering import render_scene
 
+BLUE = (40, 120, 200)
 BALL = (0.4, 0.2, 0.9)
 RADIUS = 0.5
+
+
+def view_of(target):
+    return target.mcvr._live.views[0]
 
 
 def ball(resolution=200):
@@ -94,7 +101,8 @@ def test_edges_of_meshes_are_mixed_as_their_parts_are(monkeypatch):
     assert off[~edge].mean() < 1
     assert off[edge].mean() < 7
     # Blending whole pixels, as a single depth in each must, shows the background in the edge
-    monkeypatch.setattr(view, "edges_of", lambda backdrop: np.zeros(backdrop.depth.shape[1:], bool))
+    nowhere = lambda backdrop: np.zeros(backdrop.depth.shape[1:], bool)  # noqa: E731
+    monkeypatch.setattr(surroundings, "edges_of", nowhere)
     small, mean, edge = picture_and_truth()
     assert np.abs(small - mean).max(axis=2)[edge].mean() > 12
 
@@ -160,3 +168,42 @@ def test_meshes_that_no_film_knows_are_left_to_vtk():
     assert target.mcvr.picture.plan.scene.receivers == ()
     assert target.mcvr.picture.plan.scene.backdrop is not None
     target.close()
+
+
+def edge_before(file=None):
+    """A ball in a thin volume before blue: a colour of the background, or an image of it."""
+    target = plotter()
+    add(target)
+    target.add_mesh(pv.Sphere(radius=0.6, center=(1.0, 0.0, 0.6)), color="gold")
+    if file:
+        target.add_background_image(str(file))
+    else:
+        target.set_background([c / 255 for c in BLUE])
+    look(target)
+    target.mcvr.enable(samples=8, progressive=False)
+    return target
+
+
+def test_an_image_in_the_background_is_seen_as_a_colour_there_is(tmp_path):
+    """PyVista draws it by a renderer below, which ours must not paint over."""
+    file = tmp_path / "plain.png"
+    write_png(file, np.full((SIZE[1], SIZE[0], 3), BLUE, np.uint8))
+    seen = []
+    for target in (edge_before(file), edge_before()):
+        # The image's own border is a mix of pixels
+        seen.append(pixels(target)[4:-4, 4:-4])
+        target.close()
+    np.testing.assert_allclose(*seen, atol=1.5)
+    assert np.ptp(seen[0]) > 100
+
+
+def test_edges_in_a_picture_with_alpha_have_that_of_their_parts():
+    target = edge_before()
+    rgba = target.screenshot(None, return_img=True, transparent_background=True)
+    edges, film = view_of(target).job.edges.where, target.mcvr.picture.film
+    target.close()
+    coverage = film_alpha(film)
+    whole = 255 * (coverage + film.behind[..., 3])
+    there = edges & (coverage > 0)
+    np.testing.assert_allclose(rgba[there, 3], whole[there], atol=1.5)
+    assert rgba[there, 3].min() < 230 and there.sum() > 20

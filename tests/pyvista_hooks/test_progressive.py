@@ -16,6 +16,7 @@ from plotters import add, look, pixels, plotter
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
 
+from vtkmcvr import schedule
 from vtkmcvr.live import refiner
 
 
@@ -104,7 +105,7 @@ def test_what_is_looked_at_between_frames_leaves_the_window_as_it_is(target):
         np.testing.assert_array_equal(frame_of(target), before)
     # One at least for the meshes, one to begin the picture
     assert looks > 1 and np.ptp(before) > 100
-    assert view.job.edges.any()
+    assert view.job.edges.where.any()
 
 
 def test_a_change_stops_the_refinement_at_once(target):
@@ -123,15 +124,22 @@ def test_a_change_stops_the_refinement_at_once(target):
     assert job.samples - samples <= 1
 
 
-def test_the_refiner_rests_while_a_frame_is_drawn(target):
+def test_the_refiner_rests_while_a_frame_is_drawn(target, monkeypatch):
     """No tile is begun between the two ends of a frame, and it goes on behind it.
 
     The end is the window's: software GL draws after the renderer has said what.
     """
+    # This frame takes longer than one that only draws
+    monkeypatch.setattr(schedule, "PAUSE_SECONDS", 30.0)
     target.mcvr.enable(samples=2**30)
     target.render()
     target.render()
     view, counts = view_of(target), []
+    # Kernels are read from the disk within the first tile
+    end = time.perf_counter() + 60
+    while not view.job.samples:
+        assert time.perf_counter() < end
+        time.sleep(0.05)
 
     def look_on(*_):
         # Tiles at work are finished

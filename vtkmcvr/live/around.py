@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple, cast
 
 from vtkmodules.vtkRenderingCore import vtkActor, vtkProp, vtkRenderer
@@ -52,15 +53,15 @@ class Around(NamedTuple):
         )
 
 
-def around(renderer: vtkRenderer, trace: bool, apart_from: Any) -> Around:
-    """Visible props of a renderer but its volumes and one actor.
+def around(renderer: vtkRenderer, trace: bool, apart_from: Sequence[vtkActor]) -> Around:
+    """Visible props of a renderer but its volumes and some actors.
 
     Parameters
     ----------
     renderer : vtkRenderer
     trace : bool
         Whether plain surfaces are traced.
-    apart_from : vtkProp
+    apart_from : sequence of vtkActor
     """
     opaque = opaque_props(renderer, apart_from)
     translucent = translucent_props(renderer, apart_from)

@@ -62,6 +62,12 @@ class DepthPass:
         finally:
             self._renderer.RemoveAllViewProps()
 
+    def background(self, renderer: vtkRenderer, place: Place) -> NDArray[np.uint8]:
+        """Colours, (H, W, 4), row 0 on top, of a renderer that draws nothing else."""
+        self._prepare(renderer)
+        self._renderer.SetActiveCamera(renderer.GetActiveCamera())
+        return self._target.draw(self._renderer, place)[1]
+
     def _prepare(self, renderer: vtkRenderer) -> None:
         own, window = self._renderer, renderer.GetRenderWindow()
         own.SetRenderWindow(window)

@@ -7,9 +7,6 @@ import threading
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from .. import packed, schedule
 from ..noiseless import render_noiseless
 from ..pack import structure
@@ -18,7 +15,7 @@ from ..pictures.picture import Display, Picture
 from ..plan import Plan
 from ..scene import Scene
 from .settings import LiveSettings
-from .shown import noiseless_picture_of
+from .shown import Edges, Shown, noiseless_picture_of
 from .work import Look, on_device, work_of
 
 # Longest time between two pictures to show
@@ -40,8 +37,7 @@ class Estimate:
 
     Attributes
     ----------
-    pixels : array (H, W, 4)
-        Bytes, straight alpha, row 0 on top.
+    shown : Shown
     samples : int
         Samples per pixel; 0 where a sample stands for several.
     error : float
@@ -52,7 +48,7 @@ class Estimate:
         What it was made by, where it is biased.
     """
 
-    pixels: NDArray[np.uint8]
+    shown: Shown
     samples: int
     error: float
     done: bool
@@ -114,12 +110,12 @@ class Job(Cancellable):
     ----------
     scene : Plan
     settings : LiveSettings
-    edges : array (H, W), optional
+    edges : Edges, optional
         Pixels at an edge of the scene's backdrop.
     """
 
     def __init__(
-        self, scene: Plan, settings: LiveSettings, edges: NDArray[np.bool_] | None = None
+        self, scene: Plan, settings: LiveSettings, edges: Edges | None = None
     ) -> None:
         super().__init__()
         self.plan, self.settings, self.edges = scene, settings, edges
@@ -153,8 +149,8 @@ class Job(Cancellable):
         samples = self.samples
         if why != "samples" or samples == self.settings.most_samples:
             self.stopped_by = why
-        pixels = self.work.shown(Look(self.exposure, self.edges, self.veiled))
-        self.newest = Estimate(pixels, samples, self.work.error, self.done)
+        shown = self.work.shown(Look(self.exposure, self.edges, self.veiled))
+        self.newest = Estimate(shown, samples, self.work.error, self.done)
 
     def picture(self) -> Picture:
         """Return the picture so far; on the CPU it shares the film."""
@@ -190,12 +186,12 @@ class NoiselessJob(Cancellable):
     ----------
     scene : Scene
     settings : LiveSettings
-    edges : array (H, W), optional
+    edges : Edges, optional
         Pixels at an edge of the scene's backdrop.
     """
 
     def __init__(
-        self, scene: Scene, settings: LiveSettings, edges: NDArray[np.bool_] | None = None
+        self, scene: Scene, settings: LiveSettings, edges: Edges | None = None
     ) -> None:
         super().__init__()
         self.scene, self.settings, self.edges = scene, settings, edges
@@ -213,8 +209,8 @@ class NoiselessJob(Cancellable):
         if self.cancelled:
             return
         self.samples, self.stopped_by, self._picture = 1, "end", picture
-        pixels = noiseless_picture_of(picture, self.edges)
-        self.newest = Estimate(pixels, 1, math.nan, True, own.technique)
+        shown = noiseless_picture_of(picture, self.edges)
+        self.newest = Estimate(shown, 1, math.nan, True, own.technique)
 
     def picture(self) -> NoiselessPicture:
         """Return the picture, once it is done."""

@@ -49,10 +49,10 @@ class Preview:
         paths = film.count.size
         self._rate = 0.5 * self._rate + 0.5 * paths / max(seconds, 1e-4)
         backdrop = coarse.scene.backdrop
-        pixels = picture_of(
+        shown = picture_of(
             film, settings.exposure_of(scene), veiled=None if backdrop is None else backdrop.veiled
         )
-        return Estimate(pixels, 1 if scale == 1 else 0, math.inf, False)
+        return Estimate(shown, 1 if scale == 1 else 0, math.inf, False)
 
     def _scale(self, size: tuple[int, int], seconds: float) -> int:
         """Edge of a pixel of the estimate, in the window's pixels."""
@@ -65,8 +65,8 @@ def _by_device(planned: Plan, settings: LiveSettings) -> Estimate:
     work, backdrop = work_of(planned, settings), planned.scene.backdrop
     work.advance(schedule.StopRules(1, None, None))
     veiled = None if backdrop is None else backdrop.veiled
-    pixels = work.shown(Look(settings.exposure_of(planned.scene), None, veiled))
-    return Estimate(pixels, 1, math.inf, False)
+    shown = work.shown(Look(settings.exposure_of(planned.scene), None, veiled))
+    return Estimate(shown, 1, math.inf, False)
 
 
 def _noiseless(scene: Scene, settings: LiveSettings) -> Estimate:

@@ -1,4 +1,4 @@
-"""A picture drawn over what a renderer has drawn, as its last opaque prop."""
+"""A picture over the whole viewport of a renderer, as an opaque prop of its own."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper, vtkRenderer
 
 TEXTURE = "volumes"
 UPDATE_SHADER = vtkCommand.UpdateShaderEvent
+GL_BLEND = 0x0BE2
 CORNERS = ((0, 0), (1, 0), (1, 1), (0, 1))
 # The corners of the window, wherever the camera is
 PLACE = "gl_Position = vec4(tcoord * 2.0 - 1.0, 0.0, 1.0);\n"
@@ -25,14 +26,20 @@ COLOUR = f"""
 """
 
 
-class PictureQuad:
-    """Rectangle over the whole viewport, blended over opaque props and below translucent ones.
+class Quad:
+    """Rectangle over the whole viewport, over opaque props and below translucent ones.
 
-    Being the last of the opaque props it is right with multisampling, depth peeling, render passes,
-    tiles and parallel projection. It leaves depth alone, is not pickable, and has no bounds.
+    Among the opaque props it is right with multisampling, depth peeling, render passes, tiles and
+    parallel projection. It leaves depth alone, is not pickable, and has no bounds.
+
+    Parameters
+    ----------
+    blended : bool
+        Whether pixels are blended over what is there; otherwise they take its place.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, blended: bool) -> None:
+        self._blended = blended
         self.actor = vtkActor()
         self._texture = vtkTexture()
         self._texture.SetColorModeToDirectScalars()
@@ -56,8 +63,16 @@ class PictureQuad:
         self.show(np.zeros((1, 1, 4), np.uint8))
         self.actor.VisibilityOff()
 
-    def show(self, pixels: NDArray[np.uint8]) -> None:
-        """Show a picture, bytes (h, w, 4) of any size, straight alpha, row 0 on top."""
+    def show(self, pixels: NDArray[np.uint8], smooth: bool = False) -> None:
+        """Show a picture, bytes (h, w, 4) of any size, row 0 on top, where alpha is not 0.
+
+        Parameters
+        ----------
+        pixels : array (h, w, 4)
+            Straight alpha where it is blended.
+        smooth : bool
+            Whether a picture of fewer pixels than the window is interpolated.
+        """
         rows, columns = pixels.shape[:2]
         image = vtkImageData()
         image.SetDimensions(columns, rows, 1)
@@ -65,24 +80,24 @@ class PictureQuad:
         array.SetName("rgba")
         image.GetPointData().SetScalars(array)
         self._texture.SetInputData(image)
-
-    def smooth(self, on: bool) -> None:
-        """Whether a picture of fewer pixels than the window is interpolated."""
-        self._texture.SetInterpolate(on)
+        self._texture.SetInterpolate(smooth)
+        self.actor.VisibilityOn()
 
     def attach(self, renderer: vtkRenderer) -> None:
         """Draw in this renderer."""
         renderer.AddViewProp(self.actor)
         seen = weakref.ref(renderer)
 
-        def keep_depth(*_: Any) -> None:
+        def prepare(*_: Any) -> None:
             owner = seen()
             window: Any = None if owner is None else owner.GetRenderWindow()
             if window is not None:
-                window.GetState().vtkglDepthMask(0)
+                state = window.GetState()
+                state.vtkglDepthMask(0)
+                (state.vtkglEnable if self._blended else state.vtkglDisable)(GL_BLEND)
 
-        # VTK sets the depth mask for each actor
-        self._mapper_tag = self.actor.GetMapper().AddObserver(UPDATE_SHADER, keep_depth)
+        # VTK sets the depth mask for each actor, and has blending on
+        self._mapper_tag = self.actor.GetMapper().AddObserver(UPDATE_SHADER, prepare)
 
     def detach(self, renderer: vtkRenderer) -> None:
         """Draw no more."""
@@ -90,12 +105,6 @@ class PictureQuad:
         if self._mapper_tag is not None:
             self.actor.GetMapper().RemoveObserver(self._mapper_tag)
             self._mapper_tag = None
-
-    def come_last(self, renderer: vtkRenderer) -> None:
-        """Stay the last prop, whatever has been added since."""
-        if renderer.GetViewProps().GetLastProp() is not self.actor:
-            renderer.RemoveViewProp(self.actor)
-            renderer.AddViewProp(self.actor)
 
 
 def _square() -> vtkPolyData:

@@ -12,7 +12,8 @@ from ..backdrop import Backdrop
 from .around import Around
 from .depths import DepthPass, colours_below
 from .film_place import Place
-from .places import CENTRE, Places
+from .places import CENTRE, Places, edges_of
+from .shown import Edges
 
 
 class Surroundings:
@@ -55,6 +56,15 @@ class Surroundings:
         """Backdrop of all places, once there are none left."""
         places, self._places = self._places, None
         return None if places is None else places.together()
+
+    def edges(self, backdrop: Backdrop | None) -> Edges | None:
+        """Pixels of a backdrop in which a mesh ends, and the background there."""
+        if backdrop is None:
+            return None
+        below = self._below
+        if below is None:
+            below = self._depths.background(self._renderer, self._place)
+        return Edges(edges_of(backdrop), below[..., :3])
 
     def _at(self, offset: tuple[float, float], props: Around) -> Backdrop:
         return self._depths.read(

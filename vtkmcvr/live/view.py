@@ -19,9 +19,8 @@ from .around import Around, around
 from .corner import CornerText
 from .film_place import Place, place_of
 from .job import Estimate, Job, NoiselessJob, is_compiled
-from .places import edges_of
+from .overlay import Overlay
 from .preview import Preview
-from .quad import PictureQuad
 from .reading import SceneReader
 from .refiner import Refiner
 from .settings import LiveSettings
@@ -65,7 +64,7 @@ class LiveView:
         self.shown: Estimate | None = None
         self._reader, self._preview = SceneReader(), Preview()
         self._surroundings = Surroundings(renderer)
-        self._quad, self._text = PictureQuad(), CornerText()
+        self._quad, self._text = Overlay(), CornerText()
         self._key: tuple[Any, ...] | None = None
         self._plan: Plan | None = None
         self._settled, self._changed = True, False
@@ -180,7 +179,7 @@ class LiveView:
         self.refiner.drop(self)
         self.job, self.shown, self._changed = None, None, False
         self._surroundings.begin(place, props)
-        self._quad.actor.VisibilityOff()
+        self._quad.hide()
         self._say_limits(props)
         if not self.progressive():
             self._surroundings.look_on(props, math.inf)
@@ -199,7 +198,7 @@ class LiveView:
         """Make the picture in full, here or in the background."""
         backdrop = self._surroundings.together()
         scene = self._scene(place[2:], volumes, props, backdrop)
-        edges = None if backdrop is None else edges_of(backdrop)
+        edges = self._surroundings.edges(backdrop)
         if self.settings.noiseless:
             self.job = NoiselessJob(scene, self.settings, edges)
         else:
@@ -228,16 +227,14 @@ class LiveView:
 
     def _show(self, estimate: Estimate) -> None:
         self.shown = estimate
-        self._quad.show(estimate.pixels)
-        self._quad.smooth(estimate.samples == 0)
-        self._quad.actor.VisibilityOn()
+        self._quad.show(estimate.shown, smooth=estimate.samples == 0)
         wanted = self.settings.text
         self._text.say(estimate.words if (self.progressive() if wanted is None else wanted) else "")
 
     # Parts of a frame
 
     def _around(self) -> Around:
-        return around(self.renderer, self.settings.meshes == "traced", self._quad.actor)
+        return around(self.renderer, self.settings.meshes == "traced", self._quad.actors)
 
     def _say_limits(self, props: Around) -> None:
         """Warn of what is not drawn as it should be, once."""
@@ -267,7 +264,7 @@ class LiveView:
         self.refiner.drop(self)
         self.job = self.shown = self._key = None
         self._settled, self._changed = True, False
-        self._quad.actor.VisibilityOff()
+        self._quad.hide()
         self._text.say("")
 
     def _fail(self, error: BaseException) -> None:

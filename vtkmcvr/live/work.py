@@ -20,7 +20,7 @@ from ..schedule import StopRules
 from ..screen import Display
 from ..sight import nothing_seen
 from .settings import LiveSettings
-from .shown import picture_of
+from .shown import Edges, Shown, picture_of
 
 logger = logging.getLogger("vtkmcvr")
 
@@ -29,7 +29,7 @@ class Look(NamedTuple):
     """How a film becomes bytes; see `picture_of`."""
 
     exposure: float
-    edges: NDArray[np.bool_] | None = None
+    edges: Edges | None = None
     veiled: NDArray[np.bool_] | None = None
 
 
@@ -61,8 +61,8 @@ class HostWork:
         threads = self.settings.threads or schedule.default_threads()
         return schedule.run(self.plan.packed, self.film, rules, self.settings.seed, threads)
 
-    def shown(self, look: Look) -> NDArray[np.uint8]:
-        """Display picture, straight alpha."""
+    def shown(self, look: Look) -> Shown:
+        """Display picture."""
         return picture_of(self.film, *look)
 
     @property
@@ -127,14 +127,13 @@ class DeviceWork:
         before = self._picture.seconds
         return self._picture.advance(rules), self._picture.seconds - before
 
-    def shown(self, look: Look) -> NDArray[np.uint8]:
-        """Display picture, straight alpha; what is seen behind a mesh takes the whole film."""
+    def shown(self, look: Look) -> Shown:
+        """Display picture; what is seen behind a mesh takes the whole film."""
         if self._instead is not None:
             return self._instead.shown(look)
         if self.plan.packed.backdrop is not None:
             return picture_of(self.film, *look)
-        pixels: NDArray[np.uint8] = self._picture.shown(Display(look.exposure))
-        return pixels
+        return Shown(self._picture.shown(Display(look.exposure)))
 
     @property
     def error(self) -> float:

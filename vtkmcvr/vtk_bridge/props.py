@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any, cast
 
 from vtkmodules.vtkCommonDataModel import vtkDataSet, vtkPolyData
@@ -40,21 +40,21 @@ def volumes_of(renderer: vtkRenderer) -> list[vtkVolume]:
     ]
 
 
-def opaque_props(renderer: vtkRenderer, apart_from: Any) -> list[vtkProp]:
-    """Visible props with opaque geometry, without volumes, overlays and one actor."""
+def opaque_props(renderer: vtkRenderer, apart_from: Sequence[Any] = ()) -> list[vtkProp]:
+    """Visible props with opaque geometry, without volumes, overlays and some actors."""
     return [prop for prop in _drawn(renderer, apart_from) if prop.HasOpaqueGeometry()]
 
 
-def translucent_props(renderer: vtkRenderer, apart_from: Any) -> list[vtkProp]:
-    """Visible props with translucent geometry, without volumes, overlays and one actor."""
+def translucent_props(renderer: vtkRenderer, apart_from: Sequence[Any] = ()) -> list[vtkProp]:
+    """Visible props with translucent geometry, without volumes, overlays and some actors."""
     return [prop for prop in _drawn(renderer, apart_from) if prop.HasTranslucentPolygonalGeometry()]
 
 
-def _drawn(renderer: vtkRenderer, apart_from: Any) -> Iterator[vtkProp]:
-    """Visible props in the world, without volumes and one actor."""
+def _drawn(renderer: vtkRenderer, apart_from: Sequence[Any] = ()) -> Iterator[vtkProp]:
+    """Visible props in the world, without volumes and some actors."""
     for prop in props_of(renderer):
         if isinstance(prop, vtkProp3D) and not isinstance(prop, vtkVolume) and prop.GetVisibility():
-            if prop is not apart_from:
+            if prop not in apart_from:
                 yield prop
 
 
