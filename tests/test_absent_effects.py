@@ -7,12 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scenes import everything, scene
-from without_effects import Removal, absent_parts, compiled_kernels
+from without_effects import Removal, absent_parts, compiled_launcher
 
 from vtkmcvr.lights import DirectionalLight
 from vtkmcvr.plan import plan
 from vtkmcvr.rendering import empty_film
 from vtkmcvr.scene import Camera, Lens
+from vtkmcvr.tiles import goes_in_step
 
 # And how far the two builds may differ: their functions have other names, so that a large kernel is
 # optimised in another order, in which other functions are inlined more than once
@@ -24,24 +25,27 @@ SCENES = {
 PLUMBING = ("mov", "vmov", "j", "lea", "nop", "push", "pop", "xchg")
 
 
-def instructions(planned, absent=()):
+def instructions(planned, absent=(), in_step=False):
     """Instructions of the kernel of a scene, how often each."""
-    kernel = compiled_kernels(absent).render_tile
+    kernel, more = compiled_launcher(in_step, absent)
     film = empty_film(planned)
-    kernel(film, planned.packed, 0, 0, 0, 0, film.count, np.int64(0))
+    kernel(film, planned.packed, 0, 0, 0, 0, film.count, np.int64(0), *more)
     (text,) = kernel.inspect_asm().values()
     lines = [line.split()[0] for line in text.splitlines() if line.startswith("\t")]
     return Counter(word for word in lines if not word.startswith("."))
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", SCENES)
-def test_machine_code_is_that_of_a_build_without_the_absent_effects(name):
+@pytest.mark.parametrize(
+    ("name", "in_step"), [("one light", False), ("one light", True), ("everything", False)]
+)
+def test_machine_code_is_that_of_a_build_without_the_absent_effects(name, in_step):
     some, tolerance = SCENES[name]
     planned = plan(some)
+    assert goes_in_step(planned.packed) or not in_step
     absent = absent_parts(planned.packed) | absent_parts(empty_film(planned))
     assert {"lens", "clip", "labels", "backdrop", "emission"} <= absent
-    whole, without = instructions(planned), instructions(planned, absent)
+    whole, without = (instructions(planned, left_out, in_step) for left_out in ((), absent))
     assert whole.total() > 2000
     assert abs(whole.total() - without.total()) < tolerance * without.total()
     for counts in (whole, without):

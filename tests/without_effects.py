@@ -11,6 +11,7 @@ from vtkmcvr.work.sources import load_kernels
 # As in `kernels.jit`, without its on-disk cache
 UNCACHED = {
     "device": numba.njit(**jit.DEVICE),
+    "outlined": numba.njit(**{**jit.DEVICE, "forceinline": False}),
     "exact": numba.njit(**{**jit.DEVICE, "fastmath": False}),
     "glue": jit.glue,
     "kernel": numba.njit(nogil=True, pipeline_class=KernelCompiler, **jit.KERNEL),
@@ -18,9 +19,15 @@ UNCACHED = {
 }
 
 
-def compiled_kernels(absent=()):
-    """Kernels, compiled anew, from sources without what only serves parameters named `absent`."""
-    return load_kernels("cpu", UNCACHED, Removal(frozenset(absent)).visit)
+def compiled_launcher(in_step, absent=()):
+    """Launcher of tiles, compiled anew, and what it takes beside what all take.
+
+    The sources are without what only serves parameters named `absent`.
+    """
+    kernels = load_kernels(
+        "stages" if in_step else "cpu", UNCACHED, Removal(frozenset(absent)).visit
+    )
+    return (kernels.render_in_step, (kernels.new_room(),)) if in_step else (kernels.render_tile, ())
 
 
 class Removal(ast.NodeTransformer):

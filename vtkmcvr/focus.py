@@ -8,9 +8,9 @@ import numpy as np
 
 from . import checks
 from .film.moments import new_film
-from .kernels.cpu import render_tile
 from .plan import plan
 from .scene import Isotropic, PixelFilter, Scene
+from .tiles import render_tile
 
 SAMPLES = 256
 

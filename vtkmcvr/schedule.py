@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from . import packed
 from .accuracy import ImageError, error_of, samples_for, totals_of
 from .adaptive import QUARTERS, Density, goals, level_of, level_with
-from .kernels.cpu import render_tile
 from .sight import fill_black, nothing_seen
+from .tiles import render_tile
 
 logger = logging.getLogger("vtkmcvr")
 

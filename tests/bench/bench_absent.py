@@ -20,13 +20,14 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 from scenes import everything, scene
-from without_effects import absent_parts, compiled_kernels
+from without_effects import absent_parts, compiled_launcher
 
 from vtkmcvr.costs.study import machine
 from vtkmcvr.lights import ConstantEnvironment, DirectionalLight
 from vtkmcvr.plan import plan
 from vtkmcvr.rendering import empty_film
 from vtkmcvr.scene import Surface
+from vtkmcvr.tiles import goes_in_step
 
 SIZE, SAMPLES = (64, 48), 32
 SCENES = {
@@ -36,19 +37,20 @@ SCENES = {
 }
 
 
-def turn(kernels, planned):
+def turn(launcher, planned):
     """Processor seconds of one picture."""
+    kernel, more = launcher
     film = empty_film(planned)
     goal = np.full_like(film.count, SAMPLES)
     start = time.process_time()
-    kernels.render_tile(film, planned.packed, 0, SIZE[1], 0, SIZE[0], goal, np.int64(0))
+    kernel(film, planned.packed, 0, SIZE[1], 0, SIZE[0], goal, np.int64(0), *more)
     return time.process_time() - start
 
 
 def ratio(whole, without, planned, rounds):
     """Least time of the kernels as they are over that of the others, taking turns."""
-    for kernels in (whole, without):
-        turn(kernels, planned)
+    for launcher in (whole, without):
+        turn(launcher, planned)
     times = np.array([[turn(k, planned) for k in (whole, without)] for _ in range(rounds)])
     least = times.min(axis=0)
     return float(least[0] / least[1]), float(1e9 * least[0] / (SIZE[0] * SIZE[1] * SAMPLES))
@@ -59,10 +61,11 @@ def measure(some, rounds, each):
     planned = plan(replace(some, size=SIZE))
     film = empty_film(planned)
     absent = sorted(absent_parts(planned.packed) | absent_parts(film))
-    whole = compiled_kernels()
+    in_step = goes_in_step(planned.packed)
+    whole = compiled_launcher(in_step)
     rows = []
     for cut in [absent, *([name] for name in absent if each)]:
-        found, cost = ratio(whole, compiled_kernels(cut), planned, rounds)
+        found, cost = ratio(whole, compiled_launcher(in_step, cut), planned, rounds)
         what = cut[0] if len(cut) == 1 else f"all {len(cut)} that are absent"
         rows.append({"cut": what, "ratio": round(found, 4), "ns": round(cost, 1)})
         print(f"  {what:32}{found:8.3f}{cost:10.0f} ns a path", flush=True)

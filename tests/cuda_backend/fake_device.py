@@ -8,8 +8,8 @@ from vtkmcvr.accuracy import totals_of
 from vtkmcvr.film.moments import copy_film
 from vtkmcvr.gpu import bricks
 from vtkmcvr.gpu.errors import OutOfDeviceMemory
-from vtkmcvr.kernels.cpu import render_tile
 from vtkmcvr.kernels.shown import show_pixel
+from vtkmcvr.tiles import render_tile
 
 
 class FakeDevice:

@@ -13,9 +13,9 @@ from vtkmcvr import backends, schedule
 from vtkmcvr.gpu import device as one
 from vtkmcvr.gpu import launches, several
 from vtkmcvr.gpu.errors import CudaError, OutOfDeviceMemory
-from vtkmcvr.kernels.cpu import render_tile
 from vtkmcvr.plan import plan
 from vtkmcvr.rendering import empty_film, render_scene
+from vtkmcvr.tiles import render_tile
 
 SIZE, SEED = (20, 43), 3
 SCENE = everything(vol=blob(5), size=SIZE)

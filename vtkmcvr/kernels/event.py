@@ -28,6 +28,14 @@ def ray_interval(medium, o, d):
     return clip_interval(medium.clip, o, d, enter, leave)
 
 
+@device
+def way_through(medium, o, d, limit):
+    """Part of a ray before `limit` where it may collide: (where it starts, its length)."""
+    enter, leave = ray_interval(medium, o, d)
+    enter = max(enter, 0.0)
+    return enter, f32(min(leave, limit) - enter)
+
+
 @glue
 def collide(marching, medium, transfer, o, d, limit, rng):
     """First collision of the ray (o, d), in index coordinates, before `limit`.
@@ -35,9 +43,7 @@ def collide(marching, medium, transfer, o, d, limit, rng):
     Returns (t, index position, scalar, sigma_t, rng); t is negative without one. All is float64
     but the walk, which is float32 from where the ray enters.
     """
-    enter, leave = ray_interval(medium, o, d)
-    enter = max(enter, 0.0)
-    length = f32(min(leave, limit) - enter)
+    enter, length = way_through(medium, o, d, limit)
     t, p, scalar, sigma_t = -1.0, NOWHERE, ZERO, ZERO
     if length > ZERO:
         entry, step = narrow(at(o, d, enter)), narrow(d)
@@ -142,6 +148,20 @@ def next_event(scene, origin, d, o_index, d_index, shift, limit, rng):
     t, p, scalar, sigma_t, rng = collide(
         scene.marching, scene.medium, scene.transfer, o_index, d_index, limit, rng
     )
+    return event_at(
+        scene, origin, d, o_index, d_index, t, p, scalar, sigma_t, receiver, limit, triangle, rng
+    )
+
+
+@glue
+def event_at(
+    scene, origin, d, o_index, d_index, t, p, scalar, sigma_t, receiver, limit, triangle, rng
+):
+    """Vertex of what a ray meets first. Returns (t, vertex, rng); t < 0 where it meets nothing.
+
+    t, p, scalar and sigma_t are of the first volume's collision, t < 0 without one; `receiver` is
+    that at distance `limit`, -1 without one.
+    """
     nearest = t if t >= 0.0 else limit
     number, nearest, place, other_scalar, other_sigma_t, rng = collide_more(
         scene.more, scene.marching, origin, d, nearest, rng

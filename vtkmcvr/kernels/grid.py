@@ -13,6 +13,17 @@ FAR = 1e30
 
 
 @device
+def corners(values, i, j, k):
+    """Values at eight neighbouring points, along x first, then y, then z."""
+    i1, j1, k1 = i + NEXT, j + NEXT, k + NEXT
+    return (
+        f32(values[k, j, i]), f32(values[k, j, i1]), f32(values[k, j1, i]), f32(values[k, j1, i1]),
+        f32(values[k1, j, i]), f32(values[k1, j, i1]), f32(values[k1, j1, i]),
+        f32(values[k1, j1, i1]),
+    )  # fmt: skip
+
+
+@device
 def trilinear(values, p):
     """Scalar at index position p, clamped to the outer points; NaN where a corner is NaN.
 
@@ -20,21 +31,17 @@ def trilinear(values, p):
     ones would each be tested for being negative.
     """
     nz, ny, nx = values.shape
-    x = min(max(p[0], ZERO), f32(nx - 1))
-    y = min(max(p[1], ZERO), f32(ny - 1))
-    z = min(max(p[2], ZERO), f32(nz - 1))
+    # In this order the larger one is not NaN: no position leads out of the array
+    x = min(max(ZERO, p[0]), f32(nx - 1))
+    y = min(max(ZERO, p[1]), f32(ny - 1))
+    z = min(max(ZERO, p[2]), f32(nz - 1))
     a, b, c = min(i32(x), i32(nx - 2)), min(i32(y), i32(ny - 2)), min(i32(z), i32(nz - 2))
     fx, fy, fz = x - f32(a), y - f32(b), z - f32(c)
-    i, j, k = index(a), index(b), index(c)
-    i1, j1, k1 = i + NEXT, j + NEXT, k + NEXT
-    v000 = f32(values[k, j, i])
-    v010 = f32(values[k, j1, i])
-    v001 = f32(values[k1, j, i])
-    v011 = f32(values[k1, j1, i])
-    c00 = v000 + (f32(values[k, j, i1]) - v000) * fx
-    c10 = v010 + (f32(values[k, j1, i1]) - v010) * fx
-    c01 = v001 + (f32(values[k1, j, i1]) - v001) * fx
-    c11 = v011 + (f32(values[k1, j1, i1]) - v011) * fx
+    v000, v100, v010, v110, v001, v101, v011, v111 = corners(values, index(a), index(b), index(c))
+    c00 = v000 + (v100 - v000) * fx
+    c10 = v010 + (v110 - v010) * fx
+    c01 = v001 + (v101 - v001) * fx
+    c11 = v011 + (v111 - v011) * fx
     c0 = c00 + (c10 - c00) * fy
     c1 = c01 + (c11 - c01) * fy
     return c0 + (c1 - c0) * fz

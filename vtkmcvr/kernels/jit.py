@@ -128,6 +128,11 @@ def device(function: Callable):
     return _kernel_only(njit(**DEVICE)(function))
 
 
+def outlined(function: Callable):
+    """`device` for a large function that is called more than once: not merged into its callers."""
+    return _kernel_only(njit(**{**DEVICE, "forceinline": False})(function))
+
+
 def exact(function: Callable):
     """Compile a kernel-only function whose roundings must be those that are written down."""
     return _kernel_only(njit(**{**DEVICE, "fastmath": False})(function))

@@ -12,13 +12,19 @@ ZERO, HALF = f32(0.0), f32(0.5)
 
 
 @device
+def point(rows, i, j, k):
+    """Row of a point."""
+    return rows[index(k), index(j), index(i)]
+
+
+@device
 def label_row(rows, p):
     """Row of the voxel nearest to index position p."""
     nz, ny, nx = rows.shape
     i = min(max(i32(p[0] + HALF), i32(0)), i32(nx - 1))
     j = min(max(i32(p[1] + HALF), i32(0)), i32(ny - 1))
     k = min(max(i32(p[2] + HALF), i32(0)), i32(nz - 1))
-    return rows[index(k), index(j), index(i)]
+    return point(rows, i, j, k)
 
 
 @kernel

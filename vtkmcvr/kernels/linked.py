@@ -106,8 +106,15 @@ class KernelLibrary(_Library):
         for library in parts:
             self._reload_init.update(library._reload_init)
         _link(self._final_module, parts)
-        _set_linkage(self._final_module, llvm.Linkage.weak_odr, "internal")
+        # Not "internal", which keeps the name: LLVM's loader would bind other code's function of
+        # that name to this one, whose arguments the optimiser may have changed
+        _set_linkage(self._final_module, llvm.Linkage.weak_odr, "private")
         super().finalize()
+
+    def _optimize_final_module(self):
+        """Optimise in one round: Numba's cheap one before it serves reference counts."""
+        passes, builder = self._codegen._module_pass_manager()
+        passes.run(self._final_module, builder)
 
 
 def _with_callees(libraries: Iterable[CodeLibrary]) -> list[CodeLibrary]:

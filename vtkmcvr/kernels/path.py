@@ -76,6 +76,22 @@ def background(scene, origin, d, index, distance):
     return add(ambient_radiance(scene.ambient, d), environment_radiance(scene.environment, d))
 
 
+@device
+def in_index(camera, origin, d):
+    """Ray in index coordinates, float64."""
+    o_index = add(camera.index_of_centre, transform(camera.index_from_world, origin))
+    return o_index, transform(camera.index_from_world, wide(d))
+
+
+@glue
+def missed(scene, origin, d, end, index, distance):
+    """What a camera ray brings that meets no medium and no receiver, as `radiance` returns it."""
+    L = BLACK
+    if not end < distance:
+        L = background(scene, origin, d, index, distance)
+    return L, False, 0.0, BLACK, NO_NORMAL
+
+
 @glue
 def radiance(scene, origin, d, end, rng):
     """One camera path. Returns (L, whether it met something, at which distance, albedo, normal).
@@ -85,16 +101,12 @@ def radiance(scene, origin, d, end, rng):
     `origin` is float64; the ray is computed in float64 until it enters the volume, so that a camera
     far away or a volume far from the world's origin costs no precision (HC-08).
     """
-    camera = scene.camera
-    o_index = add(camera.index_of_centre, transform(camera.index_from_world, origin))
-    d_index = transform(camera.index_from_world, wide(d))
+    o_index, d_index = in_index(scene.camera, origin, d)
     index, distance = light_seen(scene.light_tree, scene.area_lights, narrow(origin), d)
     shift = nearest_approach(scene.receivers, origin, d)
     t, v, rng = next_event(scene, origin, d, o_index, d_index, shift, min(distance, end), rng)
-    if t < 0.0 and end < distance:
-        return BLACK, False, 0.0, BLACK, NO_NORMAL
     if t < 0.0:
-        return background(scene, origin, d, index, distance), False, 0.0, BLACK, NO_NORMAL
+        return missed(scene, origin, d, end, index, distance)
     L, rng = scattered_light(scene.scattering, scene, v, rng)
     normal = first_normal(scene.normal_map, scene.medium, v)
     return L, True, t, v.albedo, normal

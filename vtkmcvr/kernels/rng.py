@@ -131,15 +131,27 @@ def stratified_pair(rng):
 
 
 @device
+def float_bits(x):
+    """Bits of a float32."""
+    return f32(x).view(i32)
+
+
+@device
+def bits_float(bits):
+    """float32 of some bits."""
+    return i32(bits).view(f32)
+
+
+@device
 def logarithm(x):
     """Natural logarithm of a positive, normal float32, to 2e-7 relative.
 
     By atanh series on [sqrt(1/2), sqrt(2)]. Inline, where a call of the C library's logarithm would
     spill every register of the medium walker around it: four times as fast there.
     """
-    bits = f32(x).view(i32)
+    bits = float_bits(x)
     exponent = (bits - SQRT_HALF_BITS) >> MANTISSA_BITS
-    m = i32(bits - (exponent << MANTISSA_BITS)).view(f32)
+    m = bits_float(bits - (exponent << MANTISSA_BITS))
     s = (m - ONE) / (m + ONE)
     q = s * s
     series = A3 + q * (A5 + q * (A7 + q * A9))

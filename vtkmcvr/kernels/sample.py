@@ -64,14 +64,22 @@ def accumulate_aov(plane, n, row, column, value):
 
 
 @glue
-def take_sample(film, scene, row, column, sample, seed):
-    """Add sample number `sample`, from 0, of a pixel to its film, which has those before it."""
+def camera_ray(film, scene, row, column, sample, seed):
+    """Ray of a sample of a pixel. Returns (origin float64, unit direction, stop, rng).
+
+    `stop` is where it meets the backdrop, and which point of it.
+    """
     pixel = row * film.count.shape[1] + column
     rng = start_path(scene.sobol, seed, pixel, sample)
     x, y, rng = film_position(scene.camera, column, row, rng)
     origin, d, rng = ray_through(scene.camera, scene.lens, column, x, y, rng)
-    end, layer, i, j = ray_end(scene.backdrop, x, y, d)
-    L, hit, depth, albedo, normal = radiance(scene, origin, d, end, rng)
+    return origin, d, ray_end(scene.backdrop, x, y, d), rng
+
+
+@glue
+def add_sample(film, scene, row, column, sample, d, stop, L, hit, depth, albedo, normal):
+    """Add sample number `sample`, from 0, to the film: what `path.radiance` returns."""
+    _, layer, i, j = stop
     left, shown = before(scene.backdrop, (layer, i, j), d, hit, depth)
     accumulate(film, row, column, scale(L, np.float32(left)), hit, depth)
     accumulate_aov(film.albedo, sample + 1, row, column, albedo)
@@ -80,3 +88,11 @@ def take_sample(film, scene, row, column, sample, seed):
     accumulate_behind(
         film.behind, scene.backdrop, sample + 1, row, column, (layer, i, j), hit, left, shown
     )
+
+
+@glue
+def take_sample(film, scene, row, column, sample, seed):
+    """Add sample number `sample`, from 0, of a pixel to its film, which has those before it."""
+    origin, d, stop, rng = camera_ray(film, scene, row, column, sample, seed)
+    L, hit, depth, albedo, normal = radiance(scene, origin, d, stop[0], rng)
+    add_sample(film, scene, row, column, sample, d, stop, L, hit, depth, albedo, normal)

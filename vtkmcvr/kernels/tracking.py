@@ -13,7 +13,7 @@ from .grid import INFINITE
 from .jit import device
 from .rng import exponential, stratified, stratified_exponential, uniform
 from .transfer import classify
-from .vec import at
+from .vec import at, select
 
 f32, i32, index = np.float32, np.int32, np.uintp
 ONE, ZERO = f32(1.0), f32(0.0)
@@ -32,13 +32,15 @@ def first_cell(o, per_cell, n):
 @device
 def first_crossing(o, d, cell, cell_size):
     """Distance to the next cell face along an axis, distance between faces, and step (+-1)."""
-    if d > ZERO:
-        inverse = ONE / d
-        return (f32(cell + i32(1)) * cell_size - o) * inverse, cell_size * inverse, i32(1)
-    if d < ZERO:
-        inverse = ONE / d
-        return (f32(cell) * cell_size - o) * inverse, -cell_size * inverse, i32(-1)
-    return INFINITE, INFINITE, i32(1)
+    still = d == ZERO
+    inverse = ONE / select(still, ONE, d)
+    face = select(d > ZERO, f32(cell + i32(1)), f32(cell)) * cell_size
+    between = cell_size * inverse
+    return (
+        select(still, INFINITE, (face - o) * inverse),
+        select(still, INFINITE, max(between, -between)),
+        select(d < ZERO, i32(-1), i32(1)),
+    )
 
 
 @device

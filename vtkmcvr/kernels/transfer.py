@@ -9,7 +9,7 @@ from .cut import in_regions, outside_holes
 from .grid import gradient, trilinear
 from .jit import device
 from .labels import label_row
-from .vec import BLACK, dot
+from .vec import BLACK, dot, select
 
 f32, i32, index = np.float32, np.int32, np.uintp
 ZERO, ONE = f32(0.0), f32(1.0)
@@ -25,27 +25,36 @@ def table_position(transfer, scalar):
 
 
 @device
+def row_start(labels, transfer, p):
+    """First entry of the tables' row of the nearest voxel's label."""
+    if labels is None:
+        return transfer.first
+    return i32(i32(label_row(labels, p)) * transfer.entries)
+
+
+@device
 def of_label(labels, transfer, p):
     """Transfer function at index position p: the row of the nearest voxel's label."""
-    if labels is None:
-        return transfer
     t = transfer
-    first = i32(label_row(labels, p)) * t.entries
     return Transfer(
         t.sigma_t, t.colour, t.lowest, t.per_scalar, t.gradient_opacity, t.table_2d, t.colour_grid,
-        t.emission, t.specular, t.exponent, t.phase, i32(first), t.entries,
+        t.emission, t.specular, t.exponent, t.phase, row_start(labels, t, p), t.entries,
     )  # fmt: skip
+
+
+@device
+def entries(table, i):
+    """Entry i of a table, and the next one."""
+    return table[i], table[i + NEXT]
 
 
 @device
 def extinction(transfer, scalar):
     """sigma_t (1/world unit) of a scalar; 0 for NaN (no data is transparent)."""
-    if math.isnan(scalar):
-        return f32(0.0)
-    scalar = max(scalar, transfer.lowest)
-    i, f = table_position(transfer, scalar)
-    a = transfer.sigma_t[i]
-    return a + (transfer.sigma_t[i + NEXT] - a) * f
+    # In this order the larger one is not NaN
+    i, f = table_position(transfer, max(transfer.lowest, scalar))
+    a, b = entries(transfer.sigma_t, i)
+    return select(scalar == scalar, a + (b - a) * f, ZERO)
 
 
 @device

@@ -11,6 +11,12 @@ BLACK = (f32(0.0), f32(0.0), f32(0.0))
 
 
 @device
+def select(condition, a, b):
+    """One of two numbers; of lanes, lane by lane."""
+    return a if condition else b
+
+
+@device
 def dot(a, b):
     """Scalar product."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

@@ -1,0 +1,392 @@
+"""`tracking.walk` of many rays at once, in lanes of SIMD registers: the same estimators.
+
+A ray by itself is one chain of steps, each of which waits for the one before: position, macrocell,
+eight voxels, transfer function, decision. Here a pool of rays goes one step each in turn, either to
+a tentative collision or to the next macrocell, so that the steps of different rays overlap and
+decisions are no branches. A ray that has ended makes room for the next one of the queue. No ray
+depends on which others there are.
+
+Only media whose extinction is that of a table of scalars: no labels, cuts or gradients.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .grid import trilinear
+from .jit import device, outlined
+from .labels import label_row
+from .lanes import (
+    WIDTH,
+    gather,
+    highest_bit,
+    load,
+    mask,
+    opposite,
+    over_lanes,
+    select,
+    store,
+    to_float,
+)  # fmt: skip
+from .rng import Stream, exponential, logarithm, minus_logarithm, uniform, unit
+from .tracking import ESCAPED, VIOLATED, first_cell, first_crossing
+from .transfer import classify, extinction, of_label, row_start, table_position
+from .vec import at
+
+f32, i32, u32 = np.float32, np.int32, np.uint32
+ZERO, ONE = f32(0.0), f32(1.0)
+NONE, FORWARD, BACK = i32(0), i32(1), i32(-1)
+BIT = u32(1)
+# Not Python's own, which Numba would compile a function for, each
+BY_DELTA, BY_RATIO = np.bool_(False), np.bool_(True)
+
+# Rays under way: a multiple of WIDTH that keeps their state in the level 1 cache
+POOL = 2 * WIDTH
+# Rows of a ray's state: origin, direction, end; optical depth to go; next crossing of a cell face
+# along each axis, and distance between crossings; distance, transmittance
+OX, OY, OZ, DX, DY, DZ, END, TAU, TX, TY, TZ, BX, BY, BZ, T, LEFT = range(16)
+# Rows of the pool alone: what has been looked up
+MAJORANT, SCALAR, SIGMA = range(16, 19)
+STATE, FLOATS = 16, 19
+# Rows of whole numbers: cell, whether there is a tentative collision
+CX, CY, CZ, TENTATIVE = range(4)
+# Columns of what a ray meets: as `tracking.walk` returns it
+DISTANCE, THROUGH, FOUND_SCALAR, FOUND_SIGMA = range(4)
+
+unit = over_lanes(unit)
+uniform = over_lanes(uniform)
+logarithm = over_lanes(logarithm)
+minus_logarithm = over_lanes(minus_logarithm)
+exponential = over_lanes(exponential)
+table_position = over_lanes(table_position)
+extinction = over_lanes(extinction)
+label_row = over_lanes(label_row)
+row_start = over_lanes(row_start)
+of_label = over_lanes(of_label)
+trilinear = over_lanes(trilinear)
+classify = over_lanes(classify)
+cell_of = over_lanes(first_cell)
+crossing_of = over_lanes(first_crossing)
+
+
+class Pool(NamedTuple):
+    """State of the rays under way."""
+
+    floats: NDArray[np.float32]  # (FLOATS, POOL)
+    cells: NDArray[np.int32]  # (4, POOL)
+    counters: NDArray[np.uint64]  # (POOL,)
+    rays: NDArray[np.int32]  # (POOL,) place in the queue
+    ended: NDArray[np.uint32]  # (POOL / WIDTH, 2) bits: ended; escaped
+
+
+class Queue(NamedTuple):
+    """Rays to walk, and what they meet."""
+
+    floats: NDArray[np.float32]  # (STATE, n)
+    cells: NDArray[np.int32]  # (3, n)
+    counter: NDArray[np.uint64]  # (n,) of random numbers, before and after
+    found: NDArray[np.float32]  # (n, 4) columns below
+
+
+def new_pool():
+    """Pool without rays."""
+    return Pool(
+        np.zeros((FLOATS, POOL), np.float32), np.zeros((4, POOL), np.int32),
+        np.zeros(POOL, np.uint64), np.zeros(POOL, np.int32),
+        np.zeros((POOL // WIDTH, 2), np.uint32),
+    )  # fmt: skip
+
+
+def new_queue(n):
+    """Queue with room for n rays, a multiple of `WIDTH`."""
+    return Queue(
+        np.zeros((STATE, n), np.float32), np.zeros((3, n), np.int32), np.zeros(n, np.uint64),
+        np.zeros((n, 4), np.float32),
+    )  # fmt: skip
+
+
+@device
+def enqueue(queue, k, o, d, length, tau, counter):
+    """Write ray number k: origin and direction in index coordinates, length in world units."""
+    f = queue.floats
+    f[OX, k], f[OY, k], f[OZ, k] = o
+    f[DX, k], f[DY, k], f[DZ, k] = d
+    f[END, k] = length
+    f[TAU, k] = tau
+    queue.counter[k] = counter
+
+
+@device
+def ray_of(queue, k):
+    """Origin and direction of ray number k."""
+    f = queue.floats
+    return (f[OX, k], f[OY, k], f[OZ, k]), (f[DX, k], f[DY, k], f[DZ, k])
+
+
+@device
+def set_out_along(medium, queue, k, axis, n):
+    """First cell of rays k and following ones along an axis, and where they leave it."""
+    f = queue.floats
+    columns = f.shape[1]
+    o, d = load(f, (OX + axis) * columns + k), load(f, (DX + axis) * columns + k)
+    cell = cell_of(o, medium.cells_per_index, n)
+    crossing, between, _ = crossing_of(o, d, cell, medium.cell_size)
+    store(queue.cells, axis * columns + k, cell)
+    store(f, (TX + axis) * columns + k, crossing)
+    store(f, (BX + axis) * columns + k, between)
+
+
+@device
+def set_out(medium, queue, n):
+    """Put n rays of a queue at their starts."""
+    cells = medium.majorant.shape
+    for k in range(0, n, WIDTH):
+        for axis in range(3):
+            set_out_along(medium, queue, k, axis, cells[2 - axis])
+
+
+@device
+def take(queue, k, pool, lane):
+    """Put ray number k of the queue into a lane of the pool."""
+    for row in range(T):
+        pool.floats[row, lane] = queue.floats[row, k]
+    pool.floats[T, lane] = ZERO
+    pool.floats[LEFT, lane] = ONE
+    for row in range(3):
+        pool.cells[row, lane] = queue.cells[row, k]
+    pool.counters[lane] = queue.counter[k]
+    pool.rays[lane] = k
+
+
+@device
+def fetch_majorants(medium, pool, count):
+    """Majorant of each ray's cell."""
+    _, ny, nx = medium.majorant.shape
+    for i in range(0, count, WIDTH):
+        x, y, z = (
+            load(pool.cells, CX * POOL + i),
+            load(pool.cells, CY * POOL + i),
+            load(pool.cells, CZ * POOL + i),
+        )
+        store(pool.floats, MAJORANT * POOL + i, gather(medium.majorant, (z * ny + y) * nx + x))
+
+
+@device
+def step_along(o, d, t, per_cell, n, cell, crossing, between, empty, along):
+    """Cell along an axis after a leap or a step, and its next crossing."""
+    step = select(d < ZERO, BACK, FORWARD)
+    landed = cell_of(o + d * t, per_cell, n)
+    after = select(empty, landed, cell + select(along, step, NONE))
+    return after, crossing + between * to_float((after - cell) * step)
+
+
+@device
+def advance(medium, pool, count):
+    """Move each ray to its tentative collision in its cell, or else to the next cell."""
+    nz, ny, nx = medium.majorant.shape
+    per_cell, f, c = medium.cells_per_index, pool.floats, pool.cells
+    for i in range(0, count, WIDTH):
+        majorant, t, tau, end = (
+            load(f, MAJORANT * POOL + i),
+            load(f, T * POOL + i),
+            load(f, TAU * POOL + i),
+            load(f, END * POOL + i),
+        )
+        tx, ty, tz = load(f, TX * POOL + i), load(f, TY * POOL + i), load(f, TZ * POOL + i)
+        bx, by, bz = load(f, BX * POOL + i), load(f, BY * POOL + i), load(f, BZ * POOL + i)
+        # Where the ray leaves the cell, or the empty cube around it
+        empty = majorant <= -ONE
+        around = select(empty, -majorant, ZERO)
+        leave = min(min(tx + around * bx, ty + around * by), min(tz + around * bz, end))
+        reach = (leave - t) * majorant
+        tentative = opposite(empty) & (tau < reach)
+        goes_on = opposite(tentative)
+        t = select(tentative, t + tau / majorant, leave)
+        store(f, T * POOL + i, t)
+        store(f, TAU * POOL + i, select(goes_on & opposite(empty), tau - reach, tau))
+        store(c, TENTATIVE * POOL + i, select(tentative, FORWARD, NONE))
+        # Next cell
+        across_x = goes_on & (tx <= ty) & (tx <= tz)
+        across_y = goes_on & opposite(across_x) & (ty <= tz)
+        across_z = goes_on & opposite(across_x) & opposite(across_y)
+        x, tx = step_along(
+            load(f, OX * POOL + i), load(f, DX * POOL + i), t, per_cell, nx,
+            load(c, CX * POOL + i), tx, bx, empty, across_x,
+        )  # fmt: skip
+        y, ty = step_along(
+            load(f, OY * POOL + i), load(f, DY * POOL + i), t, per_cell, ny,
+            load(c, CY * POOL + i), ty, by, empty, across_y,
+        )  # fmt: skip
+        z, tz = step_along(
+            load(f, OZ * POOL + i), load(f, DZ * POOL + i), t, per_cell, nz,
+            load(c, CZ * POOL + i), tz, bz, empty, across_z,
+        )  # fmt: skip
+        outside = (x < NONE) | (x >= nx) | (y < NONE) | (y >= ny) | (z < NONE) | (z >= nz)
+        store(f, TX * POOL + i, tx)
+        store(f, TY * POOL + i, ty)
+        store(f, TZ * POOL + i, tz)
+        store(c, CX * POOL + i, x)
+        store(c, CY * POOL + i, y)
+        store(c, CZ * POOL + i, z)
+        pool.ended[i // WIDTH, 1] = mask(goes_on & ((t >= end) | outside))
+
+
+@device
+def look_up(medium, transfer, pool, count):
+    """Scalar and extinction where each ray is."""
+    f = pool.floats
+    for i in range(0, count, WIDTH):
+        o = (load(f, OX * POOL + i), load(f, OY * POOL + i), load(f, OZ * POOL + i))
+        d = (load(f, DX * POOL + i), load(f, DY * POOL + i), load(f, DZ * POOL + i))
+        p = at(o, d, load(f, T * POOL + i))
+        # What nobody asks for is looked up where it is in the cache
+        wanted = load(pool.cells, TENTATIVE * POOL + i) > NONE
+        p = (select(wanted, p[0], ZERO), select(wanted, p[1], ZERO), select(wanted, p[2], ZERO))
+        scalar, sigma_t = classify(
+            transfer.gradient_opacity, transfer.table_2d, medium, transfer, p
+        )
+        store(f, SCALAR * POOL + i, scalar)
+        store(f, SIGMA * POOL + i, sigma_t)
+
+
+@device
+def collide(pool, i, tentative):
+    """Delta tracking: accept or reject tentative collisions. Returns (whether ended, rng)."""
+    f = pool.floats
+    majorant, sigma_t = load(f, MAJORANT * POOL + i), load(f, SIGMA * POOL + i)
+    rng, u = uniform(Stream(load(pool.counters, i), None))
+    store(f, SIGMA * POOL + i, select(sigma_t > majorant, -VIOLATED, sigma_t))
+    return tentative & (u * majorant < sigma_t), rng
+
+
+@device
+def attenuate(roulette, pool, i, tentative):
+    """Ratio tracking: lower the transmittance. Returns (whether ended, rng).
+
+    Where nothing is drawn for roulette, the number is the next one's.
+    """
+    f, counter = pool.floats, load(pool.counters, i)
+    majorant, sigma_t = load(f, MAJORANT * POOL + i), load(f, SIGMA * POOL + i)
+    left = load(f, LEFT * POOL + i)
+    left = select(tentative, left * (ONE - sigma_t / majorant), left)
+    low = tentative & (left < roulette)
+    violated = low & (sigma_t > majorant)
+    rng, u = uniform(Stream(counter, None))
+    died = low & (u * roulette >= left)
+    left = select(low, roulette, left)
+    left = select(violated, VIOLATED, select(died, ZERO, left))
+    store(f, LEFT * POOL + i, left)
+    return died | violated, Stream(select(low, rng.counter, counter), None)
+
+
+@device
+def decide(by_ratio, roulette, pool, count):
+    """Decide about tentative collisions; draw how far it is to the next one."""
+    f = pool.floats
+    for i in range(0, count, WIDTH):
+        tentative = load(pool.cells, TENTATIVE * POOL + i) > NONE
+        counter, tau = load(pool.counters, i), load(f, TAU * POOL + i)
+        if by_ratio:
+            ended, rng = attenuate(roulette, pool, i, tentative)
+        else:
+            ended, rng = collide(pool, i, tentative)
+        decided = rng.counter
+        rng, fresh = exponential(rng)
+        store(f, TAU * POOL + i, select(tentative, fresh, tau))
+        after = select(ended, decided, rng.counter)
+        store(pool.counters, i, select(tentative, after, counter))
+        pool.ended[i // WIDTH, 0] = mask(ended) | pool.ended[i // WIDTH, 1]
+
+
+@device
+def write_found(queue, pool, lane, escaped):
+    """Write what the ray of a lane has met."""
+    k, f = pool.rays[lane], pool.floats
+    queue.counter[k] = pool.counters[lane]
+    queue.found[k, DISTANCE] = ESCAPED if escaped else f[T, lane]
+    queue.found[k, THROUGH] = f[LEFT, lane]
+    queue.found[k, FOUND_SCALAR] = f[SCALAR, lane]
+    queue.found[k, FOUND_SIGMA] = f[SIGMA, lane]
+
+
+@device
+def move_lane(pool, here, there):
+    """Move a ray from lane `there` to lane `here`."""
+    for row in range(STATE):
+        pool.floats[row, here] = pool.floats[row, there]
+    for row in range(3):
+        pool.cells[row, here] = pool.cells[row, there]
+    pool.counters[here] = pool.counters[there]
+    pool.rays[here] = pool.rays[there]
+
+
+@device
+def replace_ended(queue, n, pool, count, following):
+    """Write what ended rays have met, and put the next ones of the queue in their place.
+
+    From the last lane down: where the queue is empty, the last ray fills the gap. Returns (rays
+    under way, next ray of the queue).
+    """
+    for group in range((count - 1) // WIDTH, -1, -1):
+        ended, escaped = pool.ended[group, 0], pool.ended[group, 1]
+        while ended != u32(0):
+            bit = highest_bit(ended)
+            ended = u32(ended ^ (BIT << u32(bit)))
+            lane = group * WIDTH + bit
+            # A lane without a ray goes on computing; its cell has to be one
+            for row in range(3):
+                pool.cells[row, lane] = NONE
+            if lane >= count:
+                continue
+            write_found(queue, pool, lane, (escaped >> u32(bit)) & BIT != u32(0))
+            if following < n:
+                take(queue, following, pool, lane)
+                following += 1
+            else:
+                count -= 1
+                move_lane(pool, lane, count)
+    return count, following
+
+
+@outlined
+def walk_all(medium, transfer, by_ratio, roulette, queue, n, pool):
+    """`tracking.walk` of the first n rays of a queue; `found` holds what they meet.
+
+    One function for delta tracking and, with `by_ratio`, ratio tracking, which takes half as long
+    to compile as two.
+    """
+    set_out(medium, queue, n)
+    # Lanes without a ray compute too: the cells of an earlier walk may lie outside of this grid
+    for row in range(3):
+        for lane in range(POOL):
+            pool.cells[row, lane] = NONE
+    following = min(n, POOL)
+    for k in range(following):
+        take(queue, k, pool, k)
+    count = following
+    while count > 0:
+        fetch_majorants(medium, pool, count)
+        advance(medium, pool, count)
+        look_up(medium, transfer, pool, count)
+        decide(by_ratio, roulette, pool, count)
+        count, following = replace_ended(queue, n, pool, count, following)
+
+
+@device
+def walk_shadows(ratio, medium, transfer, queue, n, pool):
+    """Walk toward lights: by ratio tracking, or without `ratio` by delta tracking."""
+    if ratio is None:
+        walk_all(medium, transfer, BY_DELTA, ZERO, queue, n, pool)
+    else:
+        walk_all(medium, transfer, BY_RATIO, ratio.roulette, queue, n, pool)
+
+
+@device
+def transmittance_found(ratio, queue, k):
+    """Transmittance of ray number k after `walk_shadows`."""
+    if ratio is not None:
+        return queue.found[k, THROUGH]
+    if queue.found[k, DISTANCE] < ZERO:
+        return ONE
+    return VIOLATED if queue.found[k, FOUND_SIGMA] == -VIOLATED else ZERO
