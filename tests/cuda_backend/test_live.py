@@ -69,8 +69,8 @@ def finished(**settings):
 
 
 def same(found, expected):
-    apart = np.abs(found.newest.pixels.astype(int) - expected.newest.pixels)
-    assert apart.max() <= 1 and expected.newest.pixels.max() > 50
+    apart = np.abs(found.newest.shown.pixels.astype(int) - expected.newest.shown.pixels)
+    assert apart.max() <= 1 and expected.newest.shown.pixels.max() > 50
     assert found.newest.samples == expected.newest.samples == 4
     assert found.newest.error == pytest.approx(expected.newest.error, rel=1e-9)
     assert found.newest.done and found.stopped_by == "samples"
@@ -91,7 +91,7 @@ def test_live_picture_of_a_device_is_that_of_the_cpu(use, backend):
 def test_preview_is_a_sample_of_each_pixel_by_the_device(use):
     device = use(FakeDevice())
     made = Preview().estimate(PLANNED, LiveSettings(backend="cuda"))
-    assert made.samples == 1 and made.pixels.shape == (43, 20, 4) and not made.done
+    assert made.samples == 1 and made.shown.pixels.shape == (43, 20, 4) and not made.done
     assert device.launched and device.downloads == 0
 
 

@@ -84,6 +84,7 @@ def test_every_label_has_its_own_transfer_function():
     assert hue[1] == pytest.approx(0.25, abs=1e-3)
 
 
+@pytest.mark.slow
 def test_extinctions_of_several_volumes_add():
     lit = scene(blob(), medium(6.0, (0.8, 0.8, 0.8)), VIEW, (32, 32), lights=SKY, aovs="albedo")
     half = replace(lit, transfer=medium(3.0, (1.0, 0.8, 0.6)), layers=(

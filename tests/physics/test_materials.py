@@ -45,8 +45,11 @@ def nearly_grey(x):
     ("channels", "constants"),
     [
         ({"g": nearly(0.6)}, {"phase": HenyeyGreenstein(0.6)}),
-        ({"g": nearly(0.6)}, {"phase": Schlick(0.6)}),
-        ({"specular": nearly_grey(0.25), "exponent": nearly(12)}, {"surface": SHINY}),
+        pytest.param({"g": nearly(0.6)}, {"phase": Schlick(0.6)}, marks=pytest.mark.slow),
+        pytest.param(
+            {"specular": nearly_grey(0.25), "exponent": nearly(12)}, {"surface": SHINY},
+            marks=pytest.mark.slow,
+        ),
         # ((3 - 1) / (3 + 1))^2 = 0.25
         ({"refraction_index": nearly(3), "exponent": nearly(12)}, {"surface": SHINY}),
     ],

@@ -201,6 +201,7 @@ def picture_of(path: Path) -> np.ndarray:
     return picture.radiance
 
 
+@pytest.mark.slow
 def test_variants_with_the_same_array_give_one_picture_bit_for_bit() -> None:
     first = picture_of(real("nrrd/variants/01_lps_gzip.nrrd"))
     assert first.max() > 0.01
