@@ -1,6 +1,6 @@
 """Camera paths per second of vtkmcvr and Mitsuba 3 on the same scenes, in the same run.
 
-    python tests/bench/bench_mitsuba.py [--size 512] [--spp 8] [--repeats 2] [--json FILE]
+    python tests/bench/bench_mitsuba.py [--size 256] [--spp 8] [--repeats 2] [--json FILE]
 
 Both render single scattering: in a 256^3 medium under a constant light, sparse and dense; and,
 where VTKMCVR_DATA has them, in the CT head and the engine under an environment and two area lights,
@@ -181,7 +181,7 @@ def cpu_model() -> str:
 def main() -> int:
     """Measure, print, and fail if the images disagree."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--size", type=int, default=512, help="pixels along each edge")
+    parser.add_argument("--size", type=int, default=256, help="pixels along each edge")
     parser.add_argument("--spp", type=int, default=8, help="samples per pixel of one turn")
     parser.add_argument("--repeats", type=int, default=2, help="turns of each, at least 2")
     parser.add_argument("--json", type=Path, help="write everything measured here")
