@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+from numpy.typing import NDArray
 from vtkmodules.vtkRenderingCore import vtkActor, vtkRenderer
 
 from .quad import Quad
@@ -25,10 +27,20 @@ class Overlay:
     def show(self, shown: Shown, smooth: bool) -> None:
         """Show a picture; where it has fewer pixels than the window, smooth or as they are."""
         self._picture.show(shown.pixels, smooth)
-        if shown.edges is None:
-            self._edges.actor.VisibilityOff()
-        else:
-            self._edges.show(shown.edges)
+        self._edges.actor.VisibilityOff()
+        if shown.edges is not None:
+            self._show_edges(shown.edges)
+
+    def _show_edges(self, pixels: NDArray[np.uint8]) -> None:
+        """Show the part of a picture that has any."""
+        there = pixels[..., 3] > 0
+        rows, columns = np.flatnonzero(there.any(axis=1)), np.flatnonzero(there.any(axis=0))
+        if not rows.size:
+            return
+        top, bottom, left, right = rows[0], rows[-1] + 1, columns[0], columns[-1] + 1
+        height, width = there.shape
+        part = left / width, 1 - bottom / height, right / width, 1 - top / height
+        self._edges.show(pixels[top:bottom, left:right], part=part)
 
     def hide(self) -> None:
         """Show nothing."""

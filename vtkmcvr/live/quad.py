@@ -1,8 +1,9 @@
-"""A picture over the whole viewport of a renderer, as an opaque prop of its own."""
+"""A picture over the viewport of a renderer, as an opaque prop of its own."""
 
 from __future__ import annotations
 
 import weakref
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -16,8 +17,9 @@ TEXTURE = "volumes"
 UPDATE_SHADER = vtkCommand.UpdateShaderEvent
 GL_BLEND = 0x0BE2
 CORNERS = ((0, 0), (1, 0), (1, 1), (0, 1))
-# The corners of the window, wherever the camera is
-PLACE = "gl_Position = vec4(tcoord * 2.0 - 1.0, 0.0, 1.0);\n"
+WHOLE = (0.0, 0.0, 1.0, 1.0)
+# A part of the viewport, wherever the camera is
+PLACE = "gl_Position = vec4(vertexMC.xy * 2.0 - 1.0, 0.0, 1.0);\n"
 # After VTK's own texturing, which would multiply the colour
 COLOUR = f"""
   vec4 seen = texture({TEXTURE}, tcoordVCVSOutput);
@@ -27,7 +29,7 @@ COLOUR = f"""
 
 
 class Quad:
-    """Rectangle over the whole viewport, over opaque props and below translucent ones.
+    """Rectangle in the viewport, over opaque props and below translucent ones.
 
     Among the opaque props it is right with multisampling, depth peeling, render passes, tiles and
     parallel projection. It leaves depth alone, is not pickable, and has no bounds.
@@ -46,7 +48,8 @@ class Quad:
         self._texture.MipmapOff()
         self._texture.RepeatOff()
         mapper = vtkPolyDataMapper()
-        mapper.SetInputData(_square())
+        self._square, self._part = _square(), WHOLE
+        mapper.SetInputData(self._square)
         self.actor.SetMapper(mapper)
         self.actor.ForceOpaqueOn()
         self.actor.UseBoundsOff()
@@ -63,7 +66,9 @@ class Quad:
         self.show(np.zeros((1, 1, 4), np.uint8))
         self.actor.VisibilityOff()
 
-    def show(self, pixels: NDArray[np.uint8], smooth: bool = False) -> None:
+    def show(
+        self, pixels: NDArray[np.uint8], smooth: bool = False, part: Sequence[float] = WHOLE
+    ) -> None:
         """Show a picture, bytes (h, w, 4) of any size, row 0 on top, where alpha is not 0.
 
         Parameters
@@ -72,7 +77,10 @@ class Quad:
             Straight alpha where it is blended.
         smooth : bool
             Whether a picture of fewer pixels than the window is interpolated.
+        part : (left, bottom, right, top)
+            Of the viewport, 0 to 1, that it covers.
         """
+        self._cover(tuple(part))
         rows, columns = pixels.shape[:2]
         image = vtkImageData()
         image.SetDimensions(columns, rows, 1)
@@ -82,6 +90,15 @@ class Quad:
         self._texture.SetInputData(image)
         self._texture.SetInterpolate(smooth)
         self.actor.VisibilityOn()
+
+    def _cover(self, part: tuple[float, ...]) -> None:
+        if part == self._part:
+            return
+        left, bottom, right, top = self._part = part
+        points = self._square.GetPoints()
+        for i, (u, v) in enumerate(CORNERS):
+            points.SetPoint(i, left + u * (right - left), bottom + v * (top - bottom), 0)
+        points.Modified()
 
     def attach(self, renderer: vtkRenderer) -> None:
         """Draw in this renderer."""
