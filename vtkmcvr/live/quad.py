@@ -48,7 +48,8 @@ class Quad:
         self._texture.MipmapOff()
         self._texture.RepeatOff()
         mapper = vtkPolyDataMapper()
-        self._square, self._part = _square(), WHOLE
+        self._square = _square()
+        self._part: tuple[float, ...] = WHOLE
         mapper.SetInputData(self._square)
         self.actor.SetMapper(mapper)
         self.actor.ForceOpaqueOn()
