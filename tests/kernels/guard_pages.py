@@ -23,9 +23,10 @@ from test_packets import N, at_once, planned, rays_through, voxels
 from vtkmcvr import tiles
 from vtkmcvr.kernels.grid import trilinear
 from vtkmcvr.kernels.jit import entry_point
-from vtkmcvr.kernels.lanes import WIDTH, load, store
-from vtkmcvr.kernels.packets import new_pool, new_queue
+from vtkmcvr.kernels.lanes import WIDTH
+from vtkmcvr.kernels.lanes_memory import load, store
 from vtkmcvr.kernels.packets import trilinear as trilinear_of_lanes
+from vtkmcvr.kernels.pool import new_pool, new_queue
 from vtkmcvr.kernels.stages import new_room
 from vtkmcvr.lights import ConstantEnvironment
 from vtkmcvr.plan import plan

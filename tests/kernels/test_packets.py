@@ -20,15 +20,8 @@ pytestmark = pytest.mark.skipif(
     config.DISABLE_JIT, reason="lanes exist in compiled code only: without it, paths go one by one"
 )
 if not config.DISABLE_JIT:
-    from vtkmcvr.kernels.packets import (
-        BY_DELTA,
-        enqueue,
-        new_pool,
-        new_queue,
-        transmittance_found,
-        walk_all,
-        walk_shadows,
-    )  # fmt: skip
+    from vtkmcvr.kernels.packets import BY_DELTA, transmittance_found, walk_all, walk_shadows
+    from vtkmcvr.kernels.pool import enqueue, new_pool, new_queue
 
 N = 3000
 

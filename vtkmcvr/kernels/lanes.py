@@ -7,11 +7,9 @@ with AVX2, one with AVX-512, four with SSE or NEON.
 """
 
 import operator
-from types import FunctionType
 
 from llvmlite import ir
 from numba import types
-from numba.core import cgutils
 from numba.core.datamodel import PrimitiveModel
 from numba.core.imputils import lower_builtin, lower_cast
 from numba.core.typeconv import Conversion
@@ -43,35 +41,38 @@ class Lanes(types.Type):
 @register_model(Lanes)
 class _LanesModel(PrimitiveModel):
     def __init__(self, manager, lanes):
-        super().__init__(manager, lanes, _vector(ELEMENTS[lanes.kind]))
+        super().__init__(manager, lanes, vector(ELEMENTS[lanes.kind]))
 
 
 F32, I32, U64, BOOL = Lanes("f32"), Lanes("i32"), Lanes("u64"), Lanes("bool")
 
 
-def _vector(element):
+def vector(element):
+    """LLVM type of lanes."""
     return ir.VectorType(element, WIDTH)
 
 
-def _constant(element, value):
-    return ir.Constant(_vector(element), [value] * WIDTH)
+def constant(element, value):
+    """One number in all lanes."""
+    return ir.Constant(vector(element), [value] * WIDTH)
 
 
-def _spread(builder, scalar):
-    undefined = ir.Constant(_vector(scalar.type), ir.Undefined)
+def spread(builder, scalar):
+    """A scalar in all lanes."""
+    undefined = ir.Constant(vector(scalar.type), ir.Undefined)
     first = builder.insert_element(undefined, scalar, INT(0))
-    return builder.shuffle_vector(first, undefined, _constant(INT, 0))
+    return builder.shuffle_vector(first, undefined, constant(INT, 0))
 
 
 def _as_lanes(context, builder, value, kind, lanes):
     if isinstance(kind, Lanes):
         return value
-    return _spread(builder, context.cast(builder, value, kind, SCALARS[lanes.kind]))
+    return spread(builder, context.cast(builder, value, kind, SCALARS[lanes.kind]))
 
 
 @lower_cast(types.Number, Lanes)
 def _scalar_to_lanes(context, builder, fromty, toty, value):
-    return _spread(builder, value)
+    return spread(builder, value)
 
 
 # Operators
@@ -197,8 +198,8 @@ def to_float(typing, x):
 
     def emit(context, builder, sig, args):
         if x.kind == "u64":
-            return builder.uitofp(builder.trunc(args[0], _vector(INT)), _vector(FLOAT))
-        return builder.sitofp(args[0], _vector(FLOAT))
+            return builder.uitofp(builder.trunc(args[0], vector(INT)), vector(FLOAT))
+        return builder.sitofp(args[0], vector(FLOAT))
 
     return F32(x), emit
 
@@ -210,7 +211,7 @@ def to_int(typing, x):
         return types.int32(x), _cast
     if x.kind == "i32":
         return I32(x), lambda context, builder, sig, args: args[0]
-    return I32(x), lambda context, builder, sig, args: builder.fptosi(args[0], _vector(INT))
+    return I32(x), lambda context, builder, sig, args: builder.fptosi(args[0], vector(INT))
 
 
 def _cast(context, builder, sig, args):
@@ -220,13 +221,13 @@ def _cast(context, builder, sig, args):
 @intrinsic
 def float_bits(typing, x):
     """Bits of float lanes."""
-    return I32(x), lambda context, builder, sig, args: builder.bitcast(args[0], _vector(INT))
+    return I32(x), lambda context, builder, sig, args: builder.bitcast(args[0], vector(INT))
 
 
 @intrinsic
 def bits_float(typing, x):
     """Float lanes of some bits."""
-    return F32(x), lambda context, builder, sig, args: builder.bitcast(args[0], _vector(FLOAT))
+    return F32(x), lambda context, builder, sig, args: builder.bitcast(args[0], vector(FLOAT))
 
 
 @device
@@ -254,167 +255,3 @@ def highest_bit(typing, bits):
         return builder.zext(builder.sub(INT(31), zeros), LONG)
 
     return types.intp(types.uint32), emit
-
-
-# Memory
-
-
-def _pointer(context, builder, sig, args, element):
-    """Pointer to element number args[1] of the array args[0], flat."""
-    array = cgutils.create_struct_proxy(sig.args[0])(context, builder, value=args[0])
-    offset = context.cast(builder, args[1], sig.args[1], types.intp)
-    return builder.bitcast(builder.gep(array.data, [offset]), element.as_pointer())
-
-
-@intrinsic
-def load(typing, array, start):
-    """`WIDTH` elements of a C-ordered array, from element `start` on."""
-    lanes = Lanes(KINDS[array.dtype])
-
-    def emit(context, builder, sig, args):
-        pointer = _pointer(context, builder, sig, args, _vector(ELEMENTS[lanes.kind]))
-        return builder.load(pointer, align=4)
-
-    return lanes(array, start), emit
-
-
-@intrinsic
-def store(typing, array, start, x):
-    """Write lanes to a C-ordered array, from element `start` on."""
-
-    def emit(context, builder, sig, args):
-        pointer = _pointer(context, builder, sig, args, _vector(ELEMENTS[x.kind]))
-        builder.store(args[2], pointer, align=4)
-        return context.get_dummy_value()
-
-    return types.void(array, start, x), emit
-
-
-def _gathered(builder, bases, positions, element, align):
-    """One vector a base: what is there at each lane's position."""
-    out = [ir.Constant(_vector(element), ir.Undefined)] * len(bases)
-    for lane in range(WIDTH):
-        position = builder.extract_element(positions, INT(lane))
-        if position.type == INT:
-            position = builder.zext(position, LONG)
-        for k, base in enumerate(bases):
-            pointer = builder.bitcast(builder.gep(base, [position]), element.as_pointer())
-            out[k] = builder.insert_element(out[k], builder.load(pointer, align=align), INT(lane))
-    return out
-
-
-@intrinsic
-def gather(typing, array, positions):
-    """Element of an array of float32 or of unsigned integers at each lane's position, flat."""
-    floats = array.dtype == types.float32
-
-    def emit(context, builder, sig, args):
-        data = cgutils.create_struct_proxy(array)(context, builder, value=args[0]).data
-        element = context.get_data_type(array.dtype)
-        found = _gathered(builder, [data], args[1], element, array.dtype.bitwidth // 8)[0]
-        return found if floats else builder.zext(found, _vector(INT))
-
-    return (F32 if floats else I32)(array, positions), emit
-
-
-def _neighbours(builder, dtype, both):
-    """Floats of two elements that were read as one integer of twice their bits: (first, second)."""
-    bits = dtype.bitwidth
-    if isinstance(dtype, types.Float):
-        second = builder.lshr(both, _constant(both.type.element, bits))
-        halves = (builder.trunc(x, _vector(INT)) for x in (both, second))
-        return [builder.bitcast(x, _vector(FLOAT)) for x in halves]
-    if both.type.element != INT:
-        both = builder.zext(both, _vector(INT))
-    shift = builder.ashr if dtype.signed else builder.lshr
-    rest, half = _constant(INT, 32 - bits), _constant(INT, 32 - 2 * bits)
-    return [
-        builder.sitofp(shift(builder.shl(both, above), rest), _vector(FLOAT))
-        for above in (rest, half)
-    ]
-
-
-@intrinsic
-def gather_neighbours(typing, array, positions, row, plane):
-    """Floats of a C-ordered array at each lane's position and the next one.
-
-    The same `row`, `plane` and both elements further on: a tuple of eight.
-    """
-
-    def emit(context, builder, sig, args):
-        bits = array.dtype.bitwidth
-        data = cgutils.create_struct_proxy(array)(context, builder, value=args[0]).data
-        base = builder.bitcast(data, ir.IntType(bits).as_pointer())
-        row, plane = (context.cast(builder, args[k], sig.args[k], types.intp) for k in (2, 3))
-        ahead = (None, row, plane, builder.add(row, plane))
-        bases = [base if step is None else builder.gep(base, [step]) for step in ahead]
-        found = _gathered(builder, bases, args[1], ir.IntType(2 * bits), bits // 8)
-        floats = [x for both in found for x in _neighbours(builder, array.dtype, both)]
-        return context.make_tuple(builder, sig.return_type, floats)
-
-    return types.UniTuple(F32, 8)(array, positions, row, plane), emit
-
-
-@intrinsic
-def gather_pair(typing, table, positions):
-    """Floats of a float32 table at each lane's position and the next one."""
-
-    def emit(context, builder, sig, args):
-        data = cgutils.create_struct_proxy(table)(context, builder, value=args[0]).data
-        found = _gathered(builder, [data], args[1], LONG, 4)[0]
-        return context.make_tuple(
-            builder, sig.return_type, _neighbours(builder, table.dtype, found)
-        )
-
-    return types.UniTuple(F32, 2)(table, positions), emit
-
-
-@intrinsic
-def _offset(typing, i, j, k, row, plane):
-    """Position i + j row + k plane, as 64 bits."""
-
-    def emit(context, builder, sig, args):
-        row, plane = (context.cast(builder, args[n], types.intp, types.int64) for n in (3, 4))
-        row = _spread(builder, builder.trunc(row, INT))
-        in_plane = builder.zext(builder.add(args[0], builder.mul(args[1], row)), _vector(LONG))
-        planes = builder.mul(builder.zext(args[2], _vector(LONG)), _spread(builder, plane))
-        return builder.add(in_plane, planes)
-
-    return U64(i, j, k, row, plane), emit
-
-
-@device
-def corners(values, i, j, k):
-    """`grid.corners` of lanes."""
-    _, ny, nx = values.shape
-    return gather_neighbours(values, _offset(i, j, k, nx, nx * ny), nx, nx * ny)
-
-
-@device
-def point(rows, i, j, k):
-    """`labels.point` of lanes."""
-    _, ny, nx = rows.shape
-    return gather(rows, _offset(i, j, k, nx, nx * ny))
-
-
-# What sources of scalar functions find under these names when they are compiled over lanes
-_meanings = {
-    "f32": to_float, "i32": to_int, "i64": as_is, "index": as_is, "select": select,
-    "corners": corners, "point": point, "entries": gather_pair,
-    "float_bits": float_bits, "bits_float": bits_float,
-}  # fmt: skip
-
-
-def over_lanes(function):
-    """Compile the source of a kernel-only function once more, over lanes.
-
-    Functions that it calls are those that went through here before, or take lanes as they are.
-    """
-    source = getattr(function, "py_func", function)
-    twin = FunctionType(
-        source.__code__, {**source.__globals__, **_meanings}, source.__name__,
-        source.__defaults__, source.__closure__,
-    )  # fmt: skip
-    twin.__qualname__, twin.__module__ = source.__qualname__, source.__module__
-    _meanings[source.__name__] = compiled = device(twin)
-    return compiled

@@ -9,50 +9,58 @@ depends on which others there are.
 Only media whose extinction is that of a table of scalars: no labels, cuts or gradients.
 """
 
-from typing import NamedTuple
-
 import numpy as np
-from numpy.typing import NDArray
 
 from .grid import trilinear
 from .jit import device, outlined
 from .labels import label_row
-from .lanes import (
-    WIDTH,
-    gather,
-    highest_bit,
-    load,
-    mask,
-    opposite,
-    over_lanes,
-    select,
-    store,
-    to_float,
+from .lanes import WIDTH, mask, opposite, select, to_float
+from .lanes_memory import gather, load, store
+from .over_lanes import over_lanes
+from .pool import (
+    BX,
+    BY,
+    BZ,
+    CX,
+    CY,
+    CZ,
+    DISTANCE,
+    DX,
+    DY,
+    DZ,
+    END,
+    FOUND_SIGMA,
+    LEFT,
+    MAJORANT,
+    NONE,
+    ONE,
+    OX,
+    OY,
+    OZ,
+    POOL,
+    SCALAR,
+    SIGMA,
+    TAU,
+    TENTATIVE,
+    THROUGH,
+    TX,
+    TY,
+    TZ,
+    ZERO,
+    T,
+    cell_of,
+    replace_ended,
+    set_out,
+    take,
 )  # fmt: skip
 from .rng import Stream, exponential, logarithm, minus_logarithm, uniform, unit
-from .tracking import ESCAPED, VIOLATED, first_cell, first_crossing
+from .tracking import VIOLATED
 from .transfer import classify, extinction, of_label, row_start, table_position
 from .vec import at
 
-f32, i32, u32 = np.float32, np.int32, np.uint32
-ZERO, ONE = f32(0.0), f32(1.0)
-NONE, FORWARD, BACK = i32(0), i32(1), i32(-1)
-BIT = u32(1)
+FORWARD, BACK = np.int32(1), np.int32(-1)
 # Not Python's own, which Numba would compile a function for, each
 BY_DELTA, BY_RATIO = np.bool_(False), np.bool_(True)
-
-# Rays under way: a multiple of WIDTH that keeps their state in the level 1 cache
-POOL = 2 * WIDTH
-# Rows of a ray's state: origin, direction, end; optical depth to go; next crossing of a cell face
-# along each axis, and distance between crossings; distance, transmittance
-OX, OY, OZ, DX, DY, DZ, END, TAU, TX, TY, TZ, BX, BY, BZ, T, LEFT = range(16)
-# Rows of the pool alone: what has been looked up
-MAJORANT, SCALAR, SIGMA = range(16, 19)
-STATE, FLOATS = 16, 19
-# Rows of whole numbers: cell, whether there is a tentative collision
-CX, CY, CZ, TENTATIVE = range(4)
-# Columns of what a ray meets: as `tracking.walk` returns it
-DISTANCE, THROUGH, FOUND_SCALAR, FOUND_SIGMA = range(4)
 
 unit = over_lanes(unit)
 uniform = over_lanes(uniform)
@@ -66,97 +74,6 @@ row_start = over_lanes(row_start)
 of_label = over_lanes(of_label)
 trilinear = over_lanes(trilinear)
 classify = over_lanes(classify)
-cell_of = over_lanes(first_cell)
-crossing_of = over_lanes(first_crossing)
-
-
-class Pool(NamedTuple):
-    """State of the rays under way."""
-
-    floats: NDArray[np.float32]  # (FLOATS, POOL)
-    cells: NDArray[np.int32]  # (4, POOL)
-    counters: NDArray[np.uint64]  # (POOL,)
-    rays: NDArray[np.int32]  # (POOL,) place in the queue
-    ended: NDArray[np.uint32]  # (POOL / WIDTH, 2) bits: ended; escaped
-
-
-class Queue(NamedTuple):
-    """Rays to walk, and what they meet."""
-
-    floats: NDArray[np.float32]  # (STATE, n)
-    cells: NDArray[np.int32]  # (3, n)
-    counter: NDArray[np.uint64]  # (n,) of random numbers, before and after
-    found: NDArray[np.float32]  # (n, 4) columns below
-
-
-def new_pool():
-    """Pool without rays."""
-    return Pool(
-        np.zeros((FLOATS, POOL), np.float32), np.zeros((4, POOL), np.int32),
-        np.zeros(POOL, np.uint64), np.zeros(POOL, np.int32),
-        np.zeros((POOL // WIDTH, 2), np.uint32),
-    )  # fmt: skip
-
-
-def new_queue(n):
-    """Queue with room for n rays, a multiple of `WIDTH`."""
-    return Queue(
-        np.zeros((STATE, n), np.float32), np.zeros((3, n), np.int32), np.zeros(n, np.uint64),
-        np.zeros((n, 4), np.float32),
-    )  # fmt: skip
-
-
-@device
-def enqueue(queue, k, o, d, length, tau, counter):
-    """Write ray number k: origin and direction in index coordinates, length in world units."""
-    f = queue.floats
-    f[OX, k], f[OY, k], f[OZ, k] = o
-    f[DX, k], f[DY, k], f[DZ, k] = d
-    f[END, k] = length
-    f[TAU, k] = tau
-    queue.counter[k] = counter
-
-
-@device
-def ray_of(queue, k):
-    """Origin and direction of ray number k."""
-    f = queue.floats
-    return (f[OX, k], f[OY, k], f[OZ, k]), (f[DX, k], f[DY, k], f[DZ, k])
-
-
-@device
-def set_out_along(medium, queue, k, axis, n):
-    """First cell of rays k and following ones along an axis, and where they leave it."""
-    f = queue.floats
-    columns = f.shape[1]
-    o, d = load(f, (OX + axis) * columns + k), load(f, (DX + axis) * columns + k)
-    cell = cell_of(o, medium.cells_per_index, n)
-    crossing, between, _ = crossing_of(o, d, cell, medium.cell_size)
-    store(queue.cells, axis * columns + k, cell)
-    store(f, (TX + axis) * columns + k, crossing)
-    store(f, (BX + axis) * columns + k, between)
-
-
-@device
-def set_out(medium, queue, n):
-    """Put n rays of a queue at their starts."""
-    cells = medium.majorant.shape
-    for k in range(0, n, WIDTH):
-        for axis in range(3):
-            set_out_along(medium, queue, k, axis, cells[2 - axis])
-
-
-@device
-def take(queue, k, pool, lane):
-    """Put ray number k of the queue into a lane of the pool."""
-    for row in range(T):
-        pool.floats[row, lane] = queue.floats[row, k]
-    pool.floats[T, lane] = ZERO
-    pool.floats[LEFT, lane] = ONE
-    for row in range(3):
-        pool.cells[row, lane] = queue.cells[row, k]
-    pool.counters[lane] = queue.counter[k]
-    pool.rays[lane] = k
 
 
 @device
@@ -297,56 +214,6 @@ def decide(by_ratio, roulette, pool, count):
         after = select(ended, decided, rng.counter)
         store(pool.counters, i, select(tentative, after, counter))
         pool.ended[i // WIDTH, 0] = mask(ended) | pool.ended[i // WIDTH, 1]
-
-
-@device
-def write_found(queue, pool, lane, escaped):
-    """Write what the ray of a lane has met."""
-    k, f = pool.rays[lane], pool.floats
-    queue.counter[k] = pool.counters[lane]
-    queue.found[k, DISTANCE] = ESCAPED if escaped else f[T, lane]
-    queue.found[k, THROUGH] = f[LEFT, lane]
-    queue.found[k, FOUND_SCALAR] = f[SCALAR, lane]
-    queue.found[k, FOUND_SIGMA] = f[SIGMA, lane]
-
-
-@device
-def move_lane(pool, here, there):
-    """Move a ray from lane `there` to lane `here`."""
-    for row in range(STATE):
-        pool.floats[row, here] = pool.floats[row, there]
-    for row in range(3):
-        pool.cells[row, here] = pool.cells[row, there]
-    pool.counters[here] = pool.counters[there]
-    pool.rays[here] = pool.rays[there]
-
-
-@device
-def replace_ended(queue, n, pool, count, following):
-    """Write what ended rays have met, and put the next ones of the queue in their place.
-
-    From the last lane down: where the queue is empty, the last ray fills the gap. Returns (rays
-    under way, next ray of the queue).
-    """
-    for group in range((count - 1) // WIDTH, -1, -1):
-        ended, escaped = pool.ended[group, 0], pool.ended[group, 1]
-        while ended != u32(0):
-            bit = highest_bit(ended)
-            ended = u32(ended ^ (BIT << u32(bit)))
-            lane = group * WIDTH + bit
-            # A lane without a ray goes on computing; its cell has to be one
-            for row in range(3):
-                pool.cells[row, lane] = NONE
-            if lane >= count:
-                continue
-            write_found(queue, pool, lane, (escaped >> u32(bit)) & BIT != u32(0))
-            if following < n:
-                take(queue, following, pool, lane)
-                following += 1
-            else:
-                count -= 1
-                move_lane(pool, lane, count)
-    return count, following
 
 
 @outlined

@@ -15,8 +15,9 @@ from .event import NOWHERE, event_at, nearest_approach, receiver_ahead, way_thro
 from .jit import device, glue, kernel
 from .kept import PLACE, keep, kept
 from .lights import light_seen
-from .packets import (
-    BY_DELTA,
+from .packets import BY_DELTA, transmittance_found, walk_all, walk_shadows
+from .path import in_index, missed
+from .pool import (
     DISTANCE,
     FOUND_SCALAR,
     FOUND_SIGMA,
@@ -26,11 +27,7 @@ from .packets import (
     new_pool,
     new_queue,
     ray_of,
-    transmittance_found,
-    walk_all,
-    walk_shadows,
 )  # fmt: skip
-from .path import in_index, missed
 from .rng import Stream, stratified_exponential
 from .sample import add_sample, camera_ray
 from .vec import BLACK, add, at, largest, narrow, scale, transform, wide
