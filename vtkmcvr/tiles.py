@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import threading
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,7 +9,8 @@ from . import packed
 from .kernels.cpu import render_tile as render_one_by_one
 from .kernels.stages import Room, new_room, render_in_step
 
-_rooms = threading.local()
+# Rooms that no thread is in: as many as there have been threads at a time, 2 MB each
+_free: list[Room] = []
 
 
 def goes_in_step(scene: packed.Scene) -> bool:
@@ -40,14 +39,19 @@ def render_tile(
 
     No pixel depends on the tile that it is in.
     """
-    if goes_in_step(scene):
-        render_in_step(film, scene, row_0, row_1, column_0, column_1, goal, seed, _room())
-    else:
+    if not goes_in_step(scene):
         render_one_by_one(film, scene, row_0, row_1, column_0, column_1, goal, seed)
+        return
+    room = _room()
+    try:
+        render_in_step(film, scene, row_0, row_1, column_0, column_1, goal, seed, room)
+    finally:
+        _free.append(room)
 
 
 def _room() -> Room:
-    """Room for the paths of this thread, which it keeps."""
-    if not hasattr(_rooms, "room"):
-        _rooms.room = new_room()
-    return _rooms.room
+    # Taking one is a single step of the interpreter, as giving it back is
+    try:
+        return _free.pop()
+    except IndexError:
+        return new_room()

@@ -64,34 +64,46 @@ def test_one_per_cent_of_light_is_found():
     assert next(f for f in found if f.quantity == "radiance").biased
 
 
-# Faults in the code: (file, what is there, what takes its place)
+# Paths one by one, where they would go in step
+ONE_BY_ONE = (
+    "tiles.py", "    return compiled and all(effect is None for effect in others)\n",
+    "    return False\n",
+)  # fmt: skip
+# Faults in the code: (file, what is there, what takes its place) of each change
 FAULTS = {
-    "majorant too low": (
-        "majorant.py", "= m * (f32(1.0) + ROUNDING)", "= m * f32(0.7)",
-    ),
-    "swapped densities": (
-        "direct.py", "power_heuristic(light.pdf, scatter_pdf(v, light.wi))",
-        "power_heuristic(scatter_pdf(v, light.wi), light.pdf)",
-    ),
-    "missing cosine of the surface": (
-        "brdf.py", "    return scale(f, cos_i)\n", "    return f\n",
-    ),
-    "missing cosine of the light": (
-        "shapes.py", "return distance * distance / (cosine * area)",
+    "majorant too low": [
+        ("kernels/majorant.py", "= m * (f32(1.0) + ROUNDING)", "= m * f32(0.7)"),
+    ],
+    "swapped densities": [(
+        "kernels/direct.py", "power_heuristic(drawn.pdf, scatter_pdf(v, drawn.wi))",
+        "power_heuristic(scatter_pdf(v, drawn.wi), drawn.pdf)",
+    )],
+    "missing cosine of the surface": [
+        ("kernels/brdf.py", "    return scale(f, cos_i)\n", "    return f\n"),
+    ],
+    "missing cosine of the light": [(
+        "kernels/shapes.py", "return distance * distance / (cosine * area)",
         "return distance * distance / area",
-    ),
-    "phase function turned round": (
-        "phase.py", "apart = add(wo, scale(wi, math.copysign(ONE, phase.shape)))",
+    )],
+    "phase function turned round": [(
+        "kernels/phase.py", "apart = add(wo, scale(wi, math.copysign(ONE, phase.shape)))",
         "apart = add(wo, scale(wi, -math.copysign(ONE, phase.shape)))",
-    ),
-    "ratio tracking by half": (
-        "tracking.py", "T *= ONE - sigma_t / sigma_maj",
+    )],
+    "ratio tracking by half": [(
+        "kernels/packets.py", "left * (ONE - sigma_t / majorant)",
+        "left * (ONE - np.float32(0.5) * sigma_t / majorant)",
+    )],
+    "roulette without its weight": [(
+        "kernels/packets.py", "    left = select(low, roulette, left)\n", "",
+    )],
+    "ratio tracking by half, one by one": [ONE_BY_ONE, (
+        "kernels/tracking.py", "T *= ONE - sigma_t / sigma_maj",
         "T *= ONE - f32(0.5) * sigma_t / sigma_maj",
-    ),
-    "roulette without its weight": (
-        "tracking.py", "                    T = ratio.roulette\n",
+    )],
+    "roulette without its weight, one by one": [ONE_BY_ONE, (
+        "kernels/tracking.py", "                    T = ratio.roulette\n",
         "                    T = ONE * T\n",
-    ),
+    )],
 }  # fmt: skip
 
 
@@ -121,9 +133,8 @@ def test_audit_finds_every_fault(tmp_path, fault):
     shutil.copytree(
         REPOSITORY / "vtkmcvr", tmp_path / "vtkmcvr", ignore=shutil.ignore_patterns("__pycache__")
     )
-    if fault:
-        name, whole, broken = FAULTS[fault]
-        path = tmp_path / "vtkmcvr" / "kernels" / name
+    for name, whole, broken in FAULTS.get(fault, ()):
+        path = tmp_path / "vtkmcvr" / name
         text = path.read_text(encoding="utf-8")
         assert text.count(whole) == 1, f"{name} has changed: renew the fault"
         path.write_text(text.replace(whole, broken), encoding="utf-8")

@@ -176,3 +176,15 @@ def test_more_paths_than_go_in_step_at_once_and_an_interruption_change_no_bit():
                 np.int64(1),
             )  # fmt: skip
     np.testing.assert_array_equal(whole.mean, film.mean)
+
+
+def test_threads_that_come_and_go_share_their_room(monkeypatch):
+    rooms = []
+    monkeypatch.setattr(tiles, "_free", rooms)
+    some = everything(ConstantEnvironment(1.0), vol=noise(), size=(40, 30))
+    first = render(some, samples=2, threads=2).film
+    kept = list(rooms)
+    assert 1 <= len(kept) <= 2
+    second = render(some, samples=2, threads=2).film
+    assert len(rooms) <= 2 and all(any(room is old for room in rooms) for old in kept)
+    np.testing.assert_array_equal(first.mean, second.mean)
