@@ -125,7 +125,7 @@ def pictures():
 
     def render(at_end):
         try:
-            tiles._rooms.room = all_guarded(new_room(), at_end, garbage=True)
+            tiles._free[:] = [all_guarded(new_room(), at_end, garbage=True)]
             scene = all_guarded(made.packed, at_end)
             for _ in range(2):
                 film = all_guarded(empty_film(made), at_end)
