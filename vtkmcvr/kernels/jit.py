@@ -17,7 +17,8 @@ from numba import njit
 from numba.core.caching import FunctionCache, IndexDataCacheFile
 from numba.core.registry import CPUDispatcher
 
-from .linked import DeviceCacheImpl, DeviceCompiler, KernelCompiler
+from .linked import DeviceCompiler, KernelCompiler, ObjectCompiler
+from .linked_cache import DeviceCacheImpl, KernelCacheImpl, ObjectCacheImpl
 
 # No "nnan" and no "ninf": kernels use NaN voxels and infinite distances on purpose.
 FAST_MATH = {"nsz", "contract", "arcp", "afn", "reassoc"}
@@ -79,6 +80,14 @@ class _StampedDeviceCache(_StampedCache):
     _impl_class = DeviceCacheImpl
 
 
+class _StampedObjectCache(_StampedCache):
+    _impl_class = ObjectCacheImpl
+
+
+class _StampedKernelCache(_StampedCache):
+    _impl_class = KernelCacheImpl
+
+
 class _KernelOnly(CPUDispatcher):
     """A function that has no machine code of its own."""
 
@@ -96,10 +105,10 @@ def _cached(dispatcher, cache=_StampedCache):
     return dispatcher
 
 
-def _kernel_only(dispatcher):
+def _kernel_only(dispatcher, cache=_StampedDeviceCache):
     if hasattr(dispatcher, "py_func"):
         dispatcher.__class__ = _KernelOnly
-    return _cached(dispatcher, _StampedDeviceCache)
+    return _cached(dispatcher, cache)
 
 
 # Kernels allocate nothing, so Numba's reference counting is left out of them: it would count every
@@ -129,8 +138,13 @@ def device(function: Callable):
 
 
 def outlined(function: Callable):
-    """`device` for a large function that is called more than once: not merged into its callers."""
-    return _kernel_only(njit(**{**DEVICE, "forceinline": False})(function))
+    """`device` for a large function that kernels call rarely, with machine code that they share.
+
+    A call of it costs as much as its arguments take to be written; a kernel that only differs in
+    what surrounds it compiles the faster.
+    """
+    options = {**DEVICE, "forceinline": False, "pipeline_class": ObjectCompiler}
+    return _kernel_only(njit(**options)(function), _StampedObjectCache)
 
 
 def exact(function: Callable):
@@ -150,7 +164,8 @@ def glue(function: Callable):
 
 def kernel(function: Callable):
     """Compile a function that Python calls, which runs without the GIL and allocates nothing."""
-    return _cached(njit(nogil=True, pipeline_class=KernelCompiler, **KERNEL)(function))
+    compiled = njit(nogil=True, pipeline_class=KernelCompiler, **KERNEL)(function)
+    return _cached(compiled, _StampedKernelCache)
 
 
 def entry_point(function: Callable):

@@ -3,21 +3,24 @@
 Numba optimises every function that it compiles, together with all that it calls, and makes machine
 code of it, which nobody runs if only kernels call it. Here such a function ends as LLVM code. Each
 kernel gathers the functions that it calls, those that they call and so on, and optimises the whole
-once, which gives code as fast in a sixth less time.
+once, which gives code as fast in a sixth less time. A large function that kernels call rarely may
+have machine code of its own, which all kernels share.
 
 This leans on parts of Numba that it does not document: `CodeLibrary`, where a compiled function
-ends, and `CompileResult`, which its on-disk cache keeps.
+ends.
 """
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Iterable
+from typing import ClassVar
 
 from llvmlite import binding as llvm
 from numba.core import compiler
-from numba.core.caching import CompileResultCacheImpl
 from numba.core.codegen import CodeLibrary, JITCodeLibrary
+from numba.core.typed_passes import NativeLowering
+
+from .lowering import ValueLowering
 
 
 class _Library(JITCodeLibrary):
@@ -97,7 +100,12 @@ class _WithoutEnvironment:
 
 
 class KernelLibrary(_Library):
-    """Machine code of a kernel, made in one go of its own LLVM code and that of all it calls."""
+    """Machine code of a kernel, made in one go of its own LLVM code and that of all it calls.
+
+    `objects` are what it calls that has machine code of its own.
+    """
+
+    objects: list[ObjectLibrary]
 
     def finalize(self):
         """Gather all that the kernel calls, optimise and make machine code."""
@@ -105,7 +113,8 @@ class KernelLibrary(_Library):
         self._linking_libraries = []
         for library in parts:
             self._reload_init.update(library._reload_init)
-        _link(self._final_module, parts)
+        self.objects = [part for part in parts if isinstance(part, ObjectLibrary)]
+        _link(self._final_module, [part for part in parts if part not in self.objects])
         # Not "internal", which keeps the name: LLVM's loader would bind other code's function of
         # that name to this one, whose arguments the optimiser may have changed
         _set_linkage(self._final_module, llvm.Linkage.weak_odr, "private")
@@ -117,6 +126,48 @@ class KernelLibrary(_Library):
         passes.run(self._final_module, builder)
 
 
+class ObjectLibrary(KernelLibrary):
+    """Machine code of a kernel-only function, which LLVM's loader finds for kernels that call it.
+
+    Its `symbol`, which names all its types, is the same wherever it is compiled.
+    """
+
+    symbol: str
+    # All there are, because code that calls them stays
+    loaded: ClassVar[dict[str, ObjectLibrary]] = {}
+
+    @classmethod
+    def from_object(cls, codegen, symbol: str, machine_code: bytes, bitcode: bytes):
+        """Return the library that a cache holds, or that was loaded before."""
+        if symbol not in cls.loaded:
+            self = cls(codegen, symbol)
+            self.enable_object_caching()
+            self._set_compiled_object(machine_code)
+            self._shared_module = llvm.parse_bitcode(bitcode)
+            self._finalize_final_module()
+            self._keep(symbol, machine_code)
+        return cls.loaded[symbol]
+
+    def finalize(self):
+        """Gather all that the function calls, optimise and make machine code."""
+        self.symbol = next(f.name for f in self._final_module.functions if not f.is_declaration)
+        super().finalize()
+        self._keep(self.symbol, self._get_compiled_object())
+
+    def _keep(self, symbol: str, machine_code: bytes):
+        self.symbol, self._machine_code = symbol, machine_code
+        self.loaded[symbol] = self
+
+    def as_kept(self) -> tuple[str, bytes, bytes]:
+        """Return what `from_object` takes."""
+        return self.symbol, self._machine_code, self._get_module_for_linking().as_bitcode()
+
+    @property
+    def codegen(self):
+        """Take the address of the function's environment, which no code here asks for."""
+        return _WithoutEnvironment
+
+
 def _with_callees(libraries: Iterable[CodeLibrary]) -> list[CodeLibrary]:
     """Return the libraries and all that they call, each once."""
     found: dict[object, CodeLibrary] = {}
@@ -126,7 +177,7 @@ def _with_callees(libraries: Iterable[CodeLibrary]) -> list[CodeLibrary]:
     return list(found.values())
 
 
-def _weak_module(library: CodeLibrary):
+def weak_module(library: CodeLibrary):
     """Return a library's code, of functions that others may define as well.
 
     They are weak and not linkonce, which a linker leaves out while nothing asks for them yet.
@@ -140,8 +191,14 @@ def _weak_module(library: CodeLibrary):
 
 
 def _link(module, libraries: Iterable[CodeLibrary]):
-    for library in libraries:
-        module.link_in(_weak_module(library), preserve=True)
+    """Link by twos: LLVM goes through all of a module again whenever something is linked in."""
+    parts = [weak_module(library).clone() for library in libraries]
+    while len(parts) > 1:
+        for one, other in zip(parts[::2], parts[1::2], strict=False):
+            one.link_in(other)
+        parts = parts[::2]
+    for part in parts:
+        module.link_in(part)
 
 
 def _set_linkage(module, old, new: str):
@@ -150,45 +207,17 @@ def _set_linkage(module, old, new: str):
             function.linkage = new
 
 
-@functools.cache
-def _bitcode(library: CodeLibrary) -> tuple[str, bytes]:
-    return getattr(library, "symbol", library.name), _weak_module(library).as_bitcode()
-
-
-class DeviceCacheImpl(CompileResultCacheImpl):
-    """What the on-disk cache keeps of a kernel-only function: its LLVM code and all it calls."""
-
-    def reduce(self, cres):
-        """Return what can be pickled of a compiled function."""
-        library, descriptor = cres.library, cres.fndesc
-        descriptor.typemap = descriptor.calltypes = None
-        code = [_bitcode(part) for part in (library, *library.callees)]
-        return code, descriptor, cres.environment, cres.signature, cres.reload_init
-
-    def rebuild(self, target_context, payload):
-        """Return the compiled function that `reduce` took apart."""
-        code, descriptor, environment, signature, reload_init = payload
-        for initialise in reload_init:
-            initialise()
-        codegen = target_context.codegen()
-        library, *callees = (DeviceLibrary.from_bitcode(codegen, *part) for part in code)
-        library.callees = callees
-        return compiler.compile_result(
-            typing_context=target_context.typing_context,
-            target_context=target_context,
-            entry_point=target_context.get_executable(library, descriptor, environment),
-            environment=environment,
-            library=library,
-            fndesc=descriptor,
-            signature=signature,
-            objectmode=False,
-            lifted=(),
-            reload_init=reload_init,
-        )
-
-
 class _Compiler(compiler.Compiler):
     library: type[CodeLibrary]
+
+    def define_pipelines(self):
+        """Return Numba's pipeline, with this project's lowering."""
+        [pipeline] = super().define_pipelines()
+        passes = [(ValueLowering if p is NativeLowering else p, why) for p, why in pipeline.passes]
+        pipeline.passes = passes
+        pipeline._finalized = False
+        pipeline.finalize()
+        return [pipeline]
 
     def compile_extra(self, func):
         """Compile a function into the library of this compiler."""
@@ -208,3 +237,9 @@ class KernelCompiler(_Compiler):
     """Numba's compiler, optimising a kernel with all that it calls as one."""
 
     library = KernelLibrary
+
+
+class ObjectCompiler(_Compiler):
+    """Numba's compiler, making machine code that kernels share."""
+
+    library = ObjectLibrary

@@ -1,0 +1,59 @@
+"""Lowering of kernels to LLVM code: variables that are assigned once are values, not memory.
+
+Numba gives every variable that is used in more than one block a place on the stack, to be loaded
+whole wherever it is read, and LLVM takes all of them apart again. For a scene, a tuple of hundreds
+of numbers that is read everywhere, this is most of its work.
+
+This leans on parts of Numba that it does not document: `Lower._find_singly_assigned_variable`,
+which makes values of variables that live in one block only.
+"""
+
+from collections import Counter, defaultdict
+
+from numba.core import ir
+from numba.core.analysis import compute_cfg_from_blocks, compute_use_defs, must_use_alloca
+from numba.core.compiler_machinery import register_pass
+from numba.core.lowering import Lower
+from numba.core.typed_passes import NativeLowering
+
+
+class _LowerValues(Lower):
+    def _find_singly_assigned_variable(self):
+        """Find the variables that can be values: assigned once, before every use."""
+        super()._find_singly_assigned_variable()
+        self._singly_assigned_vars |= _assigned_before_use(self.blocks)
+
+
+def _assigned_before_use(blocks):
+    """Variables with one assignment, whose block dominates and precedes all that read them."""
+    times, where = Counter(), {}
+    for label, block in blocks.items():
+        for assignment in block.find_insts(ir.Assign):
+            times[assignment.target.name] += 1
+            where[assignment.target.name] = label
+    users = defaultdict(set)
+    # Without those that a block itself assigns
+    for label, names in compute_use_defs(blocks).usemap.items():
+        for name in names:
+            users[name].add(label)
+    dominators = compute_cfg_from_blocks(blocks).dominators()
+    in_memory = must_use_alloca(blocks)
+    return {
+        name
+        for name, label in where.items()
+        if times[name] == 1
+        and name not in in_memory
+        and all(label < user and label in dominators[user] for user in users[name])
+    }
+
+
+@register_pass(mutates_CFG=True, analysis_only=False)
+class ValueLowering(NativeLowering):
+    """Numba's last pass but one, by `_LowerValues`."""
+
+    _name = "value_lowering"
+
+    @property
+    def lowering_class(self):
+        """Class that lowers one function."""
+        return _LowerValues
