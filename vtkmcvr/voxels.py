@@ -17,9 +17,9 @@ from .scene import Volume
 from .slabs import in_slabs
 
 # Edge of a macrocell in voxels: small cells waste fewer tentative collisions at surfaces, large
-# ones take less memory and fewer steps. Measured best at 3 (tests/bench/bench_looks.py); larger
+# ones take less memory and fewer steps. Measured best at 2 (tests/bench/bench_looks.py); larger
 # where the grid would pass MOST_CELLS.
-SMALLEST_CELL, MOST_CELLS = 3, 2**21
+SMALLEST_CELL, MOST_CELLS = 2, 2**21
 # Types that kernels read as they are; everything else is converted once
 NATIVE = ("uint8", "int16", "uint16", "float32")
 EXACT_IN_FLOAT32 = 2**24

@@ -86,7 +86,7 @@ def test_no_path_reads_what_is_left_out(use, change, caplog):
         transfer = replace(STEEP, gradient_opacity=Curve([(0, 0.2), (3, 1)]))
         described = replace(SPECK, transfer=transfer)
     whole = plan(described).packed.medium.values.nbytes
-    fake = use(Tight(0.6 * whole))
+    fake = use(Tight(0.7 * whole))
     with caplog.at_level(logging.INFO, "vtkmcvr"):
         picture = render_scene(described, samples=4, seed=SEED, backend="cuda")
     assert fake.kinds == [packed.Bricks] and "in bricks" in caplog.text
@@ -98,7 +98,7 @@ def test_no_path_reads_what_is_left_out(use, change, caplog):
 
 def test_voxels_left_out_that_are_read_would_be_noticed(use, monkeypatch):
     monkeypatch.setattr(bricks, "APRON", -6)
-    use(Tight(0.6 * plan(SPECK).packed.medium.values.nbytes))
+    use(Tight(0.7 * plan(SPECK).packed.medium.values.nbytes))
     picture = render_scene(SPECK, samples=4, seed=SEED, backend="cuda")
     expected = render_scene(SPECK, samples=4, seed=SEED, backend="cpu")
     assert not np.array_equal(picture.film.mean, expected.film.mean)

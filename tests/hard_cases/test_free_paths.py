@@ -102,7 +102,7 @@ def test_hc04_no_extinction_is_above_its_majorant(record, technique):
 
 @every_technique
 def test_hc05_a_ray_may_cross_a_thousand_cells(record, technique):
-    # 3000 voxels, 1000 macrocells, of faint haze before an opaque wall
+    # 3000 voxels, over 1000 macrocells, of faint haze before an opaque wall
     values = np.full((2, 3000, 2), 0.1, f32)
     values[:, -8:, :] = 1
     vol = volume(values, (4.0, 0.04, 4.0))

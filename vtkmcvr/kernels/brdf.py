@@ -10,11 +10,12 @@ import math
 import numpy as np
 
 from .cut_faces import cut_face
+from .elementary import decay, logarithm_of_rest, on_circle, opacity
 from .grid import INFINITE, gradient
 from .jit import device, glue
 from .rng import stratified, stratified_pair
 from .vec import BLACK, add, dot, from_basis, largest, orthonormal_basis, scale, sub
-from .warp import INVERSE_PI, TWO_PI, cosine_hemisphere
+from .warp import INVERSE_PI, cosine_hemisphere
 
 f32 = np.float32
 ZERO, HALF, ONE, TWO, FOUR = f32(0.0), f32(0.5), f32(1.0), f32(2.0), f32(4.0)
@@ -30,7 +31,7 @@ NO_NORMAL = (ZERO, ZERO, ZERO)
 @device
 def opacity_over(distance, sigma_t):
     """Opacity of a medium of even extinction."""
-    return -math.expm1(-sigma_t * distance)
+    return opacity(sigma_t * distance)
 
 
 @glue
@@ -57,7 +58,7 @@ def surface_probability(surface, alpha, magnitude):
     """
     normalised = min(magnitude * surface.per_gradient, ONE)
     if surface.mode == HYBRID:
-        return alpha * -math.expm1(-surface.exponent_scale * normalised)
+        return alpha * opacity(surface.exponent_scale * normalised)
     if surface.mode == THRESHOLD and not normalised > surface.threshold:
         return ZERO
     return alpha
@@ -113,7 +114,7 @@ def first_normal(normal_map, medium, v):
 def blinn(gloss, n, h):
     """(n.h)^e, accurate next to 1 where large exponents live."""
     apart = sub(n, h)
-    return math.exp(gloss.exponent * math.log1p(-min(HALF * dot(apart, apart), ONE)))
+    return decay(-gloss.exponent * logarithm_of_rest(min(HALF * dot(apart, apart), ONE)))
 
 
 @device
@@ -141,7 +142,7 @@ def microfacets(gloss, n, h):
 def sample_microfacet(gloss, u):
     """Cosine of the angle between normal and half vector, and its sine."""
     if not gloss.ggx:
-        cosine = (ONE - u) ** (ONE / (gloss.exponent + ONE))
+        cosine = decay(logarithm_of_rest(u) / (-ONE - gloss.exponent))
         return cosine, math.sqrt(max(ZERO, ONE - cosine * cosine))
     alpha_2 = TWO / (gloss.exponent + TWO)
     whole = ONE - u + alpha_2 * u
@@ -251,6 +252,6 @@ def sample_brdf(gloss, n, wo, rng):
     if lobe < HALF or bare(gloss):
         return from_basis(s, t, n, cosine_hemisphere(u, v)), rng
     cosine, sine = sample_microfacet(gloss, u)
-    phi = TWO_PI * v
-    h = from_basis(s, t, n, (sine * math.cos(phi), sine * math.sin(phi), cosine))
+    a, b = on_circle(v)
+    h = from_basis(s, t, n, (sine * a, sine * b, cosine))
     return sub(scale(h, TWO * dot(wo, h)), wo), rng

@@ -86,8 +86,9 @@ def box_interval(o, d, lo, hi):
                 t1 = -FAR
                 t0 = FAR
         else:
-            near = (lo[axis] - o[axis]) / d[axis]
-            far = (hi[axis] - o[axis]) / d[axis]
+            inverse = 1.0 / d[axis]
+            near = (lo[axis] - o[axis]) * inverse
+            far = (hi[axis] - o[axis]) * inverse
             t0 = max(t0, min(near, far))
             t1 = min(t1, max(near, far))
     return t0, t1

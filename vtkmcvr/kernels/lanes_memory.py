@@ -7,6 +7,7 @@ from numba.extending import intrinsic
 
 from .jit import device
 from .lanes import (
+    BIT,
     ELEMENTS,
     F32,
     FLOAT,
@@ -44,27 +45,27 @@ def load(typing, array, start):
 
 @intrinsic
 def store(typing, array, start, x):
-    """Write lanes to a C-ordered array, from element `start` on."""
+    """Write lanes, or one number to all places, to a C-ordered array from element `start` on."""
 
     def emit(context, builder, sig, args):
-        pointer = _pointer(context, builder, sig, args, vector(ELEMENTS[x.kind]))
-        builder.store(args[2], pointer, align=4)
+        value = args[2] if isinstance(x, Lanes) else spread(builder, args[2])
+        pointer = _pointer(context, builder, sig, args, value.type)
+        builder.store(value, pointer, align=4)
         return context.get_dummy_value()
 
     return types.void(array, start, x), emit
 
 
-def _gathered(builder, bases, positions, element, align):
-    """One vector a base: what is there at each lane's position."""
-    out = [ir.Constant(vector(element), ir.Undefined)] * len(bases)
-    for lane in range(WIDTH):
-        position = builder.extract_element(positions, INT(lane))
-        if position.type == INT:
-            position = builder.zext(position, LONG)
-        for k, base in enumerate(bases):
-            pointer = builder.bitcast(builder.gep(base, [position]), element.as_pointer())
-            out[k] = builder.insert_element(out[k], builder.load(pointer, align=align), INT(lane))
-    return out
+def _gathered(builder, base, positions, element, align):
+    """What is at each lane's position from `base` on: one instruction where the CPU has it."""
+    pointers = builder.gep(base, [positions], source_etype=base.type.pointee)
+    pointers.type = ir.VectorType(ir.PointerType(), WIDTH)
+    of = vector(element)
+    name = f"llvm.masked.gather.v{WIDTH}{element.intrinsic_name}.v{WIDTH}p0"
+    kind = ir.FunctionType(of, [pointers.type, INT, vector(BIT), of])
+    function = builder.module.declare_intrinsic(name, (), kind)
+    arguments = pointers, INT(align), constant(BIT, 1), ir.Constant(of, ir.Undefined)
+    return builder.call(function, arguments)
 
 
 @intrinsic
@@ -75,7 +76,7 @@ def gather(typing, array, positions):
     def emit(context, builder, sig, args):
         data = cgutils.create_struct_proxy(array)(context, builder, value=args[0]).data
         element = context.get_data_type(array.dtype)
-        found = _gathered(builder, [data], args[1], element, array.dtype.bitwidth // 8)[0]
+        found = _gathered(builder, data, args[1], element, array.dtype.bitwidth // 8)
         return found if floats else builder.zext(found, vector(INT))
 
     return (F32 if floats else I32)(array, positions), emit
@@ -112,7 +113,8 @@ def gather_neighbours(typing, array, positions, row, plane):
         row, plane = (context.cast(builder, args[k], sig.args[k], types.intp) for k in (2, 3))
         ahead = (None, row, plane, builder.add(row, plane))
         bases = [base if step is None else builder.gep(base, [step]) for step in ahead]
-        found = _gathered(builder, bases, args[1], ir.IntType(2 * bits), bits // 8)
+        pair = ir.IntType(2 * bits)
+        found = [_gathered(builder, base, args[1], pair, bits // 8) for base in bases]
         floats = [x for both in found for x in _neighbours(builder, array.dtype, both)]
         return context.make_tuple(builder, sig.return_type, floats)
 
@@ -125,7 +127,7 @@ def gather_pair(typing, table, positions):
 
     def emit(context, builder, sig, args):
         data = cgutils.create_struct_proxy(table)(context, builder, value=args[0]).data
-        found = _gathered(builder, [data], args[1], LONG, 4)[0]
+        found = _gathered(builder, data, args[1], LONG, 4)
         return context.make_tuple(
             builder, sig.return_type, _neighbours(builder, table.dtype, found)
         )

@@ -11,6 +11,7 @@ Only media whose extinction is that of a table of scalars: no labels, cuts or gr
 
 import numpy as np
 
+from .elementary import atanh_series, logarithm
 from .grid import trilinear
 from .jit import device, outlined
 from .labels import label_row
@@ -21,6 +22,7 @@ from .pool import (
     BX,
     BY,
     BZ,
+    COLLIDES,
     CX,
     CY,
     CZ,
@@ -34,18 +36,20 @@ from .pool import (
     MAJORANT,
     NONE,
     ONE,
+    OUT,
     OX,
     OY,
     OZ,
     POOL,
     SCALAR,
     SIGMA,
+    STATUS,
     TAU,
-    TENTATIVE,
     THROUGH,
     TX,
     TY,
     TZ,
+    UNDER_WAY,
     ZERO,
     T,
     cell_of,
@@ -53,17 +57,20 @@ from .pool import (
     set_out,
     take,
 )  # fmt: skip
-from .rng import Stream, exponential, logarithm, minus_logarithm, uniform, unit
+from .rng import Stream, exponential, minus_logarithm, uniform, unit
 from .tracking import VIOLATED
 from .transfer import classify, extinction, of_label, row_start, table_position
 from .vec import at
 
+# Steps of all rays before the look-ups of those that have come to a tentative collision
+STEPS = 2
 FORWARD, BACK = np.int32(1), np.int32(-1)
 # Not Python's own, which Numba would compile a function for, each
 BY_DELTA, BY_RATIO = np.bool_(False), np.bool_(True)
 
 unit = over_lanes(unit)
 uniform = over_lanes(uniform)
+atanh_series = over_lanes(atanh_series)
 logarithm = over_lanes(logarithm)
 minus_logarithm = over_lanes(minus_logarithm)
 exponential = over_lanes(exponential)
@@ -100,7 +107,7 @@ def step_along(o, d, t, per_cell, n, cell, crossing, between, empty, along):
 
 @device
 def advance(medium, pool, count):
-    """Move each ray to its tentative collision in its cell, or else to the next cell."""
+    """Move each ray under way to its tentative collision in its cell, or else to the next cell."""
     nz, ny, nx = medium.majorant.shape
     per_cell, f, c = medium.cells_per_index, pool.floats, pool.cells
     for i in range(0, count, WIDTH):
@@ -112,17 +119,19 @@ def advance(medium, pool, count):
         )
         tx, ty, tz = load(f, TX * POOL + i), load(f, TY * POOL + i), load(f, TZ * POOL + i)
         bx, by, bz = load(f, BX * POOL + i), load(f, BY * POOL + i), load(f, BZ * POOL + i)
+        status = load(c, STATUS * POOL + i)
+        going = status == UNDER_WAY
         # Where the ray leaves the cell, or the empty cube around it
         empty = majorant <= -ONE
         around = select(empty, -majorant, ZERO)
         leave = min(min(tx + around * bx, ty + around * by), min(tz + around * bz, end))
         reach = (leave - t) * majorant
-        tentative = opposite(empty) & (tau < reach)
-        goes_on = opposite(tentative)
-        t = select(tentative, t + tau / majorant, leave)
+        collides = opposite(empty) & (tau < reach)
+        tentative = going & collides
+        goes_on = going & opposite(collides)
+        t = select(goes_on, leave, select(tentative, t + tau / majorant, t))
         store(f, T * POOL + i, t)
         store(f, TAU * POOL + i, select(goes_on & opposite(empty), tau - reach, tau))
-        store(c, TENTATIVE * POOL + i, select(tentative, FORWARD, NONE))
         # Next cell
         across_x = goes_on & (tx <= ty) & (tx <= tz)
         across_y = goes_on & opposite(across_x) & (ty <= tz)
@@ -143,10 +152,12 @@ def advance(medium, pool, count):
         store(f, TX * POOL + i, tx)
         store(f, TY * POOL + i, ty)
         store(f, TZ * POOL + i, tz)
-        store(c, CX * POOL + i, x)
-        store(c, CY * POOL + i, y)
-        store(c, CZ * POOL + i, z)
-        pool.ended[i // WIDTH, 1] = mask(goes_on & ((t >= end) | outside))
+        escaped = goes_on & ((t >= end) | outside)
+        store(c, CX * POOL + i, select(escaped, NONE, x))
+        store(c, CY * POOL + i, select(escaped, NONE, y))
+        store(c, CZ * POOL + i, select(escaped, NONE, z))
+        status = select(tentative, COLLIDES, select(escaped, OUT, status))
+        store(c, STATUS * POOL + i, status)
 
 
 @device
@@ -158,7 +169,7 @@ def look_up(medium, transfer, pool, count):
         d = (load(f, DX * POOL + i), load(f, DY * POOL + i), load(f, DZ * POOL + i))
         p = at(o, d, load(f, T * POOL + i))
         # What nobody asks for is looked up where it is in the cache
-        wanted = load(pool.cells, TENTATIVE * POOL + i) > NONE
+        wanted = load(pool.cells, STATUS * POOL + i) == COLLIDES
         p = (select(wanted, p[0], ZERO), select(wanted, p[1], ZERO), select(wanted, p[2], ZERO))
         scalar, sigma_t = classify(
             transfer.gradient_opacity, transfer.table_2d, medium, transfer, p
@@ -202,7 +213,9 @@ def decide(by_ratio, roulette, pool, count):
     """Decide about tentative collisions; draw how far it is to the next one."""
     f = pool.floats
     for i in range(0, count, WIDTH):
-        tentative = load(pool.cells, TENTATIVE * POOL + i) > NONE
+        status = load(pool.cells, STATUS * POOL + i)
+        tentative, escaped = status == COLLIDES, mask(status == OUT)
+        store(pool.cells, STATUS * POOL + i, UNDER_WAY)
         counter, tau = load(pool.counters, i), load(f, TAU * POOL + i)
         if by_ratio:
             ended, rng = attenuate(roulette, pool, i, tentative)
@@ -213,7 +226,8 @@ def decide(by_ratio, roulette, pool, count):
         store(f, TAU * POOL + i, select(tentative, fresh, tau))
         after = select(ended, decided, rng.counter)
         store(pool.counters, i, select(tentative, after, counter))
-        pool.ended[i // WIDTH, 0] = mask(ended) | pool.ended[i // WIDTH, 1]
+        pool.ended[i // WIDTH, 0] = mask(ended) | escaped
+        pool.ended[i // WIDTH, 1] = escaped
 
 
 @outlined
@@ -228,13 +242,16 @@ def walk_all(medium, transfer, by_ratio, roulette, queue, n, pool):
     for row in range(3):
         for lane in range(POOL):
             pool.cells[row, lane] = NONE
+    for lane in range(POOL):
+        pool.cells[STATUS, lane] = UNDER_WAY
     following = min(n, POOL)
     for k in range(following):
         take(queue, k, pool, k)
     count = following
     while count > 0:
-        fetch_majorants(medium, pool, count)
-        advance(medium, pool, count)
+        for _ in range(STEPS):
+            fetch_majorants(medium, pool, count)
+            advance(medium, pool, count)
         look_up(medium, transfer, pool, count)
         decide(by_ratio, roulette, pool, count)
         count, following = replace_ended(queue, n, pool, count, following)

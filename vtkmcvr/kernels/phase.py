@@ -12,10 +12,11 @@ import math
 
 import numpy as np
 
+from .elementary import on_circle
 from .jit import device
 from .rng import stratified_pair
 from .vec import add, dot, from_basis, orthonormal_basis, scale
-from .warp import INVERSE_4PI, TWO_PI, uniform_sphere
+from .warp import INVERSE_4PI, uniform_sphere
 
 f32 = np.float32
 ZERO, HALF, ONE, TWO = f32(0.0), f32(0.5), f32(1.0), f32(2.0)
@@ -73,6 +74,6 @@ def sample_phase(phase, wo, rng):
     x = min(from_peak(phase, u), TWO)
     cosine = (x - ONE) * math.copysign(ONE, phase.shape)
     sine = math.sqrt(x * (TWO - x))
-    phi = TWO_PI * v
     a, b = orthonormal_basis(wo)
-    return from_basis(a, b, wo, (sine * math.cos(phi), sine * math.sin(phi), cosine)), rng
+    c, s = on_circle(v)
+    return from_basis(a, b, wo, (sine * c, sine * s, cosine)), rng

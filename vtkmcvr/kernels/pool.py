@@ -17,15 +17,16 @@ NONE = np.int32(0)
 BIT = u32(1)
 
 # Rays under way: a multiple of WIDTH that keeps their state in the level 1 cache
-POOL = 2 * WIDTH
+POOL = 4 * WIDTH
 # Rows of a ray's state: origin, direction, end; optical depth to go; next crossing of a cell face
 # along each axis, and distance between crossings; distance, transmittance
 OX, OY, OZ, DX, DY, DZ, END, TAU, TX, TY, TZ, BX, BY, BZ, T, LEFT = range(16)
 # Rows of the pool alone: what has been looked up
 MAJORANT, SCALAR, SIGMA = range(16, 19)
 STATE, FLOATS = 16, 19
-# Rows of whole numbers: cell, whether there is a tentative collision
-CX, CY, CZ, TENTATIVE = range(4)
+# Rows of whole numbers: cell, and how far it has come
+CX, CY, CZ, STATUS = range(4)
+UNDER_WAY, COLLIDES, OUT = np.int32(0), np.int32(1), np.int32(2)
 # Columns of what a ray meets: as `tracking.walk` returns it
 DISTANCE, THROUGH, FOUND_SCALAR, FOUND_SIGMA = range(4)
 

@@ -15,10 +15,11 @@ from typing import NamedTuple
 import numpy as np
 
 from ..packed import BATCH, Sobol
+from .elementary import logarithm
 from .jit import device
 from .sobol import mix, net_pair
 
-f32, i32 = np.float32, np.int32
+f32 = np.float32
 u64, i64 = np.uint64, np.int64
 
 GOLDEN = u64(0x9E3779B97F4A7C15)
@@ -27,10 +28,7 @@ SHIFT_8, SHIFT_32 = u64(8), u64(32)
 BATCH_BITS, LAST_OF_BATCH = u64(BATCH.bit_length() - 1), u64(BATCH - 1)
 TO_UNIT_24 = f32(2.0**-24)
 TO_UNIT_32 = f32(2.0**-32)
-HALF, ONE, TWO = f32(0.5), f32(1.0), f32(2.0)
-SQRT_HALF_BITS, MANTISSA_BITS = i32(0x3F3504F3), i32(23)
-LN2 = f32(0.6931471805599453)
-A3, A5, A7, A9 = f32(2.0 / 3.0), f32(2.0 / 5.0), f32(2.0 / 7.0), f32(2.0 / 9.0)
+HALF = f32(0.5)
 
 
 class Stream(NamedTuple):
@@ -128,34 +126,6 @@ def stratified_pair(rng):
     """
     rng, a, b = stratified_words(rng.net, rng)
     return rng, unit(a), unit(b)
-
-
-@device
-def float_bits(x):
-    """Bits of a float32."""
-    return f32(x).view(i32)
-
-
-@device
-def bits_float(bits):
-    """float32 of some bits."""
-    return i32(bits).view(f32)
-
-
-@device
-def logarithm(x):
-    """Natural logarithm of a positive, normal float32, to 2e-7 relative.
-
-    By atanh series on [sqrt(1/2), sqrt(2)]. Inline, where a call of the C library's logarithm would
-    spill every register of the medium walker around it: four times as fast there.
-    """
-    bits = float_bits(x)
-    exponent = (bits - SQRT_HALF_BITS) >> MANTISSA_BITS
-    m = bits_float(bits - (exponent << MANTISSA_BITS))
-    s = (m - ONE) / (m + ONE)
-    q = s * s
-    series = A3 + q * (A5 + q * (A7 + q * A9))
-    return f32(exponent) * LN2 + s * (TWO + q * series)
 
 
 @device

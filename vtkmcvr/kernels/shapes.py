@@ -10,6 +10,7 @@ import math
 
 import numpy as np
 
+from .elementary import on_circle
 from .grid import INFINITE
 from .jit import device
 from .spherical_rectangle import rectangle_solid_angle, sample_near_rectangle
@@ -161,8 +162,8 @@ def sample_disk(disks, size, o, u, v):
         return BLACK, ZERO
     inner = size[1] * size[1]
     r = math.sqrt(inner + u * (size[0] * size[0] - inner))
-    phi = TWO_PI * v
-    return toward(o, (r * math.cos(phi), r * math.sin(phi), ZERO))
+    c, s = on_circle(v)
+    return toward(o, (r * c, r * s, ZERO))
 
 
 @device
@@ -180,10 +181,11 @@ def sample_sphere(spheres, size, o, u, v):
     away = math.sqrt(square)
     x = u * sphere_cap(size, o)
     sine_square = x * (TWO - x)
-    sine, phi = math.sqrt(sine_square), TWO_PI * v
+    sine = math.sqrt(sine_square)
+    c, s = on_circle(v)
     axis = scale(o, -ONE / away)
     a, b = orthonormal_basis(axis)
-    d = from_basis(a, b, axis, (sine * math.cos(phi), sine * math.sin(phi), ONE - x))
+    d = from_basis(a, b, axis, (sine * c, sine * s, ONE - x))
     depth = math.sqrt(max(ZERO, size[0] * size[0] - square * sine_square))
     return d, away * (ONE - x) - depth
 

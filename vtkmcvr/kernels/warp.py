@@ -4,13 +4,13 @@ import math
 
 import numpy as np
 
+from .elementary import cosine_and_sine, on_circle
 from .jit import device
 
 f32 = np.float32
 ZERO, ONE, TWO = f32(0.0), f32(1.0), f32(2.0)
 PI = f32(math.pi)
-TWO_PI = f32(2.0 * math.pi)
-QUARTER_PI, HALF_PI = f32(math.pi / 4.0), f32(math.pi / 2.0)
+TWO_PI, HALF_PI = f32(2.0 * math.pi), f32(0.5 * math.pi)
 INVERSE_PI = f32(1.0 / math.pi)
 LEAST = f32(1e-8)
 INVERSE_4PI = f32(0.25 / math.pi)
@@ -24,10 +24,10 @@ def concentric_disk(u, v):
     if a == ZERO and b == ZERO:
         return ZERO, ZERO
     if abs(a) > abs(b):
-        r, phi = a, QUARTER_PI * (b / a)
-    else:
-        r, phi = b, HALF_PI - QUARTER_PI * (a / b)
-    return r * math.cos(phi), r * math.sin(phi)
+        c, s = cosine_and_sine(b / a)
+        return a * c, a * s
+    c, s = cosine_and_sine(a / b)
+    return b * s, b * c
 
 
 @device
@@ -35,8 +35,8 @@ def uniform_sphere(u, v):
     """Uniform direction; density 1/(4 pi)."""
     z = ONE - TWO * u
     r = math.sqrt(max(ZERO, ONE - z * z))
-    phi = TWO_PI * v
-    return (r * math.cos(phi), r * math.sin(phi), z)
+    a, b = on_circle(v)
+    return (r * a, r * b, z)
 
 
 @device
