@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from vtkmcvr import packed
-from vtkmcvr.kernels.brdf import brdf_pdf, brdf_value
+from vtkmcvr.kernels.brdf import brdf_value_and_pdf
 from vtkmcvr.kernels.jit import entry_point
 
 f32 = np.float32
@@ -17,8 +17,7 @@ def values_and_densities(gloss, diffuse, n, wo, wi):
     out = np.empty((len(wi), 4), np.float32)
     for i in range(len(wi)):
         d = (wi[i, 0], wi[i, 1], wi[i, 2])
-        out[i, :3] = brdf_value(gloss, diffuse, n, wo, d)
-        out[i, 3] = brdf_pdf(gloss, n, wo, d)
+        out[i, :3], out[i, 3] = brdf_value_and_pdf(gloss, diffuse, n, wo, d)
     return out
 
 

@@ -7,7 +7,7 @@ from scenes import blob, everything, medium, noise, scene, volume
 
 from vtkmcvr.cutting import Plane, Sphere
 from vtkmcvr.gpu.bricks import bricked
-from vtkmcvr.kernels.brdf import brdf_value, sample_brdf
+from vtkmcvr.kernels.brdf import brdf_value_and_pdf, sample_brdf
 from vtkmcvr.kernels.phase import phase_value, sample_phase
 from vtkmcvr.kernels.rng import logarithm, start
 from vtkmcvr.kernels.warp import concentric_disk, cosine_hemisphere
@@ -136,7 +136,7 @@ def phase_density(x, y, phase, gloss):
 
 
 def surface(x, y, phase, gloss):
-    return brdf_value(gloss, (x, x, x), (x, y, x), (y, x, x), (y, x, y))
+    return brdf_value_and_pdf(gloss, (x, x, x), (x, y, x), (y, x, x), (y, x, y))[0]
 
 
 def surface_sample(x, y, phase, gloss):

@@ -75,8 +75,8 @@ FAULTS = {
         ("kernels/majorant.py", "= m * (f32(1.0) + ROUNDING)", "= m * f32(0.7)"),
     ],
     "swapped densities": [(
-        "kernels/direct.py", "power_heuristic(drawn.pdf, scatter_pdf(v, drawn.wi))",
-        "power_heuristic(scatter_pdf(v, drawn.wi), drawn.pdf)",
+        "kernels/direct.py", "power_heuristic(light.pdf, pdf)",
+        "power_heuristic(pdf, light.pdf)",
     )],
     "missing cosine of the surface": [
         ("kernels/brdf.py", "    return scale(f, cos_i)\n", "    return f\n"),

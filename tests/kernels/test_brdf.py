@@ -24,6 +24,7 @@ from vtkmcvr.kernels.brdf import (
     ALWAYS,
     HYBRID,
     THRESHOLD,
+    brdf_pdf,
     surface_event,
     surface_probability,
 )
@@ -48,6 +49,26 @@ def surface_share(surface, medium, p, sigma_t, wo, n):
             count += 1
             normal = m
     return count, normal
+
+
+@entry_point
+def densities(gloss, n, wo, wi):
+    out = np.empty(len(wi), f32)
+    for i in range(len(wi)):
+        out[i] = brdf_pdf(gloss, n, wo, (wi[i, 0], wi[i, 1], wi[i, 2]))
+    return out
+
+
+@pytest.mark.parametrize("exponent", EXPONENTS)
+@pytest.mark.parametrize("theta", [0, 60, 89, 120])
+def test_both_densities_are_the_same(exponent, theta):
+    # With the value for lights, alone for MIS; above and below the surface
+    random = np.random.default_rng(3).normal(size=(500, 3))
+    wi = (random / np.linalg.norm(random, axis=1, keepdims=True)).astype(f32)
+    coat, wo = gloss(0.04, exponent), direction(theta)
+    with_value = values_and_densities(coat, colour(0.5), UP, wo, wi)[:, 3]
+    assert np.allclose(with_value, densities(coat, UP, wo, wi), rtol=1e-5)
+    assert (with_value > 0).any() == (theta < 90)
 
 
 @pytest.mark.parametrize(

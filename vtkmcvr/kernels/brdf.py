@@ -187,25 +187,37 @@ def grazing(x):
 
 
 @device
-def brdf_value(gloss, diffuse, n, wo, wi):
-    """f_r(wo, wi) times the cosine of wi, RGB per steradian; zero below the surface."""
+def coat(gloss, n, h, cos_h):
+    """Reflection of the coat over its Fresnel factor, and the density with which it is drawn."""
+    if cos_h <= ZERO:
+        return ZERO, ZERO
+    d, pdf_h = microfacets(gloss, n, h)
+    over = ONE / (FOUR * cos_h)
+    return d * over, pdf_h * over
+
+
+@device
+def brdf_value_and_pdf(gloss, diffuse, n, wo, wi):
+    """f_r(wo, wi) times the cosine of wi, RGB per steradian; and the density of `sample_brdf`.
+
+    Both are zero below the surface.
+    """
     cos_o = dot(n, wo)
     cos_i = dot(n, wi)
     if cos_o <= ZERO or cos_i <= ZERO:
-        return BLACK
+        return BLACK, ZERO
+    lambert = INVERSE_PI * cos_i
     if gloss is None:
-        return scale(diffuse, INVERSE_PI * cos_i)
+        return scale(diffuse, lambert), lambert
     if bare(gloss):
-        return scale(diffuse, INVERSE_PI * cos_i)
+        return scale(diffuse, lambert), lambert
     body = BLEND * grazing(HALF * cos_i) * grazing(HALF * cos_o)
     rs = gloss.specular
     under = (diffuse[0] * (ONE - rs[0]), diffuse[1] * (ONE - rs[1]), diffuse[2] * (ONE - rs[2]))
-    f = scale(under, body)
     h, cos_h = half_vector(wo, wi)
-    if cos_h > ZERO:
-        d, _ = microfacets(gloss, n, h)
-        f = add(f, scale(schlick(rs, cos_h), d / (FOUR * cos_h * max(cos_i, cos_o))))
-    return scale(f, cos_i)
+    lobe, pdf_lobe = coat(gloss, n, h, cos_h)
+    f = add(scale(under, body), scale(schlick(rs, cos_h), lobe / max(cos_i, cos_o)))
+    return scale(f, cos_i), HALF * (lambert + pdf_lobe)
 
 
 @device
@@ -219,23 +231,21 @@ def brdf_pdf(gloss, n, wo, wi):
     if bare(gloss):
         return cos_i * INVERSE_PI
     h, cos_h = half_vector(wo, wi)
-    if cos_h <= ZERO:
-        return HALF * cos_i * INVERSE_PI
-    _, pdf_h = microfacets(gloss, n, h)
-    return HALF * (cos_i * INVERSE_PI + pdf_h / (FOUR * cos_h))
+    _, pdf_lobe = coat(gloss, n, h, cos_h)
+    return HALF * (cos_i * INVERSE_PI + pdf_lobe)
 
 
 @device
 def brdf_weight(gloss, diffuse, n, wo, wi):
-    """`brdf_value` over `brdf_pdf` for a direction drawn by `sample_brdf`."""
+    """Value over density for a direction drawn by `sample_brdf`."""
     if gloss is None:
         if dot(n, wi) <= ZERO:
             return BLACK
         return diffuse
-    pdf = brdf_pdf(gloss, n, wo, wi)
+    value, pdf = brdf_value_and_pdf(gloss, diffuse, n, wo, wi)
     if not pdf > ZERO:
         return BLACK
-    return scale(brdf_value(gloss, diffuse, n, wo, wi), ONE / pdf)
+    return scale(value, ONE / pdf)
 
 
 @device

@@ -8,7 +8,7 @@ from .environment import ambient_radiance, environment_pdf, environment_radiance
 from .jit import device, glue
 from .light_tree import light_chance
 from .lights import area_light_radiance, blocked, light_pdf, nearest_light, sample_light
-from .scatter import sample_scatter, scatter_pdf, scatter_value, scatter_weight
+from .scatter import sample_scatter, scatter_pdf, scatter_value_and_pdf, scatter_weight
 from .vec import BLACK, add, largest, mul, scale
 from .visibility import visibility
 
@@ -31,13 +31,12 @@ def power_heuristic(p, q):
 class Drawn(NamedTuple):
     """Light that a vertex would send back if nothing were in the way."""
 
-    f: tuple  # radiance; 0 where there is none
+    f: tuple  # radiance, weighted by MIS; 0 where there is none
     wi: tuple  # toward the light
     distance: np.float32
-    pdf: np.float32  # with which a light draws wi; 0 for delta lights
 
 
-NOTHING_DRAWN = Drawn(BLACK, BLACK, ZERO, ZERO)
+NOTHING_DRAWN = Drawn(BLACK, BLACK, ZERO)
 
 
 @device
@@ -53,25 +52,16 @@ def draw_by_light(choice, scene, v, rng):
     )  # fmt: skip
     if largest(light.radiance) <= ZERO:
         return NOTHING_DRAWN, rng
-    f = mul(scatter_value(v, light.wi), light.radiance)
+    value, pdf = scatter_value_and_pdf(v, light.wi)
+    f = mul(value, light.radiance)
     if largest(f) <= ZERO:
         return NOTHING_DRAWN, rng
     if blocked(scene.light_tree, scene.area_lights, v.x, light):
         return NOTHING_DRAWN, rng
-    return Drawn(f, light.wi, light.distance, light.pdf), rng
-
-
-@device
-def attenuated(choice, v, drawn, T):
-    """Light drawn by a light, after a transmittance, weighted by MIS."""
-    if choice is None:
-        return BLACK
-    # Not below 0, which marks a violated majorant
-    if T == ZERO:
-        return BLACK
-    if choice.by_scatter and drawn.pdf > ZERO:
-        T *= power_heuristic(drawn.pdf, scatter_pdf(v, drawn.wi))
-    return scale(drawn.f, T)
+    # Delta lights have no density: nothing else draws their directions
+    if choice.by_scatter and light.pdf > ZERO:
+        f = scale(f, power_heuristic(light.pdf, pdf))
+    return Drawn(f, light.wi, light.distance), rng
 
 
 @device
@@ -83,7 +73,7 @@ def light_by_light(choice, scene, v, rng):
     if largest(drawn.f) <= ZERO:
         return BLACK, rng
     T, rng = visibility(scene, v, drawn.wi, drawn.distance, rng)
-    return attenuated(choice, v, drawn, T), rng
+    return scale(drawn.f, T), rng
 
 
 @glue
@@ -156,7 +146,7 @@ def draw_by_scatter(ambient, environment, area_lights, scene, v, rng):
     if largest(f) <= ZERO:
         return NOTHING_DRAWN, rng
     L, distance = light_met(scene, scene.choice, v, wi)
-    return Drawn(mul(f, L), wi, distance, ZERO), rng
+    return Drawn(mul(f, L), wi, distance), rng
 
 
 @device

@@ -1,8 +1,7 @@
 """Elementary functions of float32 by short series, inline.
 
 A call of the C library's takes longer than the function itself, because every register that holds
-something across it goes to memory and back. Also smaller than the C library's: none covers
-arguments that no kernel has.
+something across it goes to memory and back. These take only arguments that kernels have.
 """
 
 import math

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..packed import Gloss, Phase
-from .brdf import brdf_pdf, brdf_value, brdf_weight, sample_brdf, surface_event
+from .brdf import brdf_pdf, brdf_value_and_pdf, brdf_weight, sample_brdf, surface_event
 from .jit import device, glue
 from .phase import phase_value, sample_phase
 from .receivers import receiver_colour, receiver_point
@@ -95,11 +95,15 @@ def receiver_vertex(receivers, mesh, gloss, phase, camera, index, triangle, x, w
 
 
 @glue
-def scatter_value(v, wi):
-    """Scattering function times cosine (surface) or phase function times albedo (volume)."""
+def scatter_value_and_pdf(v, wi):
+    """Scattering function times cosine (surface) or phase function times albedo (volume).
+
+    And the density of `sample_scatter`.
+    """
     if v.on_surface:
-        return brdf_value(v.gloss, v.albedo, v.normal, v.wo, wi)
-    return scale(v.albedo, phase_value(v.phase, v.wo, wi))
+        return brdf_value_and_pdf(v.gloss, v.albedo, v.normal, v.wo, wi)
+    pdf = phase_value(v.phase, v.wo, wi)
+    return scale(v.albedo, pdf), pdf
 
 
 @glue
@@ -120,7 +124,7 @@ def sample_scatter(v, rng):
 
 @glue
 def scatter_weight(v, wi):
-    """`scatter_value` over `scatter_pdf` of a direction that `sample_scatter` drew.
+    """Scattering function over density of a direction that `sample_scatter` drew.
 
     A phase function is sampled exactly: the albedo, without rounding.
     """

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .brdf import first_normal
-from .direct import attenuated, draw_by_light, draw_by_scatter
+from .direct import draw_by_light, draw_by_scatter
 from .event import NOWHERE, event_at, nearest_approach, receiver_ahead, way_through
 from .jit import device, glue, kernel
 from .kept import PLACE, keep, kept
@@ -208,7 +208,7 @@ def render_in_step(film, scene, row_0, row_1, column_0, column_1, goal, seed, ro
             if not room.hit[i]:
                 continue
             v, drawn, rng, t = kept(room.lit, i, vertex)
-            by_light = attenuated(scene.choice, v, drawn, passed(scene.ratio, room, room.second, i))
+            by_light = scale(drawn.f, passed(scene.ratio, room, room.second, i))
             rng = after_walk(room, room.second, i, rng)
             drawn, rng = draw_by_scatter(
                 scene.ambient, scene.environment, scene.area_lights, scene, v, rng
