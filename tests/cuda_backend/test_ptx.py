@@ -109,12 +109,13 @@ def test_kernel_of_a_launch_links_to_machine_code(monkeypatch):
     from numba.cuda.dispatcher import _Kernel
     from ptx import pretend
 
-    from vtkmcvr.kernels.cuda import render_rows
+    from vtkmcvr.kernels.cuda import compiling, render_rows
 
     pretend(monkeypatch, HOPPER)
     monkeypatch.setattr(codegen.CUDACodeLibrary, "_ensure_cc", lambda self, cc: cc or HOPPER)
     types = parameter_types("single, hybrid, all kinds of light")
-    kernel = _Kernel(render_rows.py_func, types, **render_rows.targetoptions)
+    with compiling():
+        kernel = _Kernel(render_rows.py_func, types, **render_rows.targetoptions)
     # An ELF file
     assert kernel._codelibrary.get_cubin(cc=HOPPER).code[:4] == b"\x7fELF"
 
@@ -192,3 +193,36 @@ def test_a_stray_double_would_be_noticed(monkeypatch):
 
     assert sum(doubles(ptx_of(kernel_of(stray), (float32[:],), HOPPER)).values()) > 0
     assert not doubles(ptx_of(kernel_of(clean), (float32[:],), HOPPER))
+
+
+def test_variables_are_values_while_vtkmcvr_compiles(monkeypatch):
+    from numba import float32
+    from numba.cuda.lowering import CUDALower, Lower
+    from ptx import pretend, ptx_of
+
+    from vtkmcvr.kernels.cuda import compiling
+
+    pretend(monkeypatch, HOPPER)
+    allocated, alloca = [], Lower.alloca
+
+    def noted(self, name, kind):
+        allocated.append(name)
+        return alloca(self, name, kind)
+
+    monkeypatch.setattr(Lower, "alloca", noted)
+
+    def kernel(out):
+        pair = (out[0], out[1])
+        if pair[0] < pair[1]:
+            out[0] = pair[1]
+        else:
+            out[1] = pair[0]
+
+    assert ptx_of(kernel, (float32[::1],), HOPPER)
+    assert "pair" in allocated
+    allocated.clear()
+    with compiling():
+        assert ptx_of(kernel, (float32[::1],), HOPPER)
+    assert "pair" not in allocated
+    # Other people's kernels are compiled as ever
+    assert "_find_singly_assigned_variable" not in vars(CUDALower)

@@ -126,7 +126,7 @@ class CudaDevice(Device):
 
     def compile(self, film: Any, scene: Any, goal: Any, seed: int) -> None:
         """Compile, or load from the cache, for this structure of scene."""
-        with translated("kernels were compiled"):
+        with translated("kernels were compiled"), self._launcher.compiling():
             # Up to no sample
             self._launch(film, scene, (0, goal.shape[0]), goal, 0, seed)
             self.queue.synchronize()

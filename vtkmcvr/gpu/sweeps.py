@@ -37,7 +37,7 @@ class SweepDevice(Device):
 
     def compile(self, tables: Any) -> None:
         """Compile, or load from the cache; and see how many threads the device holds at a time."""
-        with translated("kernels were compiled"):
+        with translated("kernels were compiled"), self._launcher.compiling():
             arguments = (*tables, np.int64(0), np.int64(0))
             self._grid = self._sweeps.most_blocks(self.kernel, arguments)
             self._launch(arguments)

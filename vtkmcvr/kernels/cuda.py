@@ -4,6 +4,7 @@ Importing it takes numba-cuda, of the extra `cuda`; `vtkmcvr.gpu` knows whether 
 scene and film to the device and decides how much a launch does.
 """
 
+from contextlib import nullcontext
 from types import FunctionType
 
 from numba import cuda
@@ -36,7 +37,11 @@ class AbsentEffects:
 # Division, square root and elementary functions are approximate, as FAST_MATH allows on the CPU;
 # NaN and infinity keep their meaning. The simulator knows neither linking nor extensions.
 OPTIONS = {"fastmath": True}
+# A context to compile in
+compiling = nullcontext
 if not config.ENABLE_CUDASIM:
+    from .lowering_cuda import variables_as_values as compiling  # noqa: F401
+
     OPTIONS |= {"lto": False, "extensions": [AbsentEffects()]}
 
 

@@ -10,8 +10,7 @@ which makes values of variables that live in one block only.
 
 from collections import Counter, defaultdict
 
-from numba.core import ir
-from numba.core.analysis import compute_cfg_from_blocks, compute_use_defs, must_use_alloca
+from numba.core import analysis, ir
 from numba.core.compiler_machinery import register_pass
 from numba.core.lowering import Lower
 from numba.core.typed_passes import NativeLowering
@@ -21,23 +20,26 @@ class _LowerValues(Lower):
     def _find_singly_assigned_variable(self):
         """Find the variables that can be values: assigned once, before every use."""
         super()._find_singly_assigned_variable()
-        self._singly_assigned_vars |= _assigned_before_use(self.blocks)
+        self._singly_assigned_vars |= assigned_before_use(self.blocks, ir.Assign, analysis)
 
 
-def _assigned_before_use(blocks):
-    """Variables with one assignment, whose block dominates and precedes all that read them."""
+def assigned_before_use(blocks, assign, analysis):
+    """Variables with one assignment, whose block dominates and precedes all that read them.
+
+    `assign` is the type of assignments, `analysis` Numba's module of that name or numba-cuda's.
+    """
     times, where = Counter(), {}
     for label, block in blocks.items():
-        for assignment in block.find_insts(ir.Assign):
+        for assignment in block.find_insts(assign):
             times[assignment.target.name] += 1
             where[assignment.target.name] = label
     users = defaultdict(set)
     # Without those that a block itself assigns
-    for label, names in compute_use_defs(blocks).usemap.items():
+    for label, names in analysis.compute_use_defs(blocks).usemap.items():
         for name in names:
             users[name].add(label)
-    dominators = compute_cfg_from_blocks(blocks).dominators()
-    in_memory = must_use_alloca(blocks)
+    dominators = analysis.compute_cfg_from_blocks(blocks).dominators()
+    in_memory = analysis.must_use_alloca(blocks)
     return {
         name
         for name, label in where.items()
