@@ -87,11 +87,11 @@ def parts(described, settings):
     return parts_of(described, planned, raster, settings)
 
 
-def simulated(jobs, folder):
-    """What sweeps give in Numba's CUDA simulator."""
+def simulated(jobs, folder, program=PROGRAM):
+    """What sweeps, or what another program takes, give in Numba's CUDA simulator."""
     (folder / "jobs").write_bytes(pickle.dumps(jobs))
     subprocess.run(
-        [sys.executable, PROGRAM, folder / "jobs", folder / "films"],
+        [sys.executable, program, folder / "jobs", folder / "films"],
         env={**os.environ, "NUMBA_ENABLE_CUDASIM": "1", "NUMBA_DISABLE_JIT": "1",
              # Hard cases have infinities
              "PYTHONWARNINGS": "ignore::RuntimeWarning"},

@@ -1,19 +1,24 @@
 """Directional occlusion by the CUDA launcher in Numba's simulator: the CPU's pictures."""
 
 from dataclasses import replace
+from itertools import product
+from pathlib import Path
 
 import numpy as np
 import pytest
 import sweeps
+from compiled import compiled
 from needs import numba_cuda
 from simulated import check_same
 
+from vtkmcvr.kernels.cone_rays import window_mean
 from vtkmcvr.occlusion.carry_out import sweep
 from vtkmcvr.occlusion.single import BLUR
 
 pytestmark = numba_cuda
 
 
+BLURS = Path(__file__).parents[1] / "cuda_blurs.py"
 OPAQUE = "a wall that fills the picture"
 
 
@@ -81,3 +86,17 @@ def test_another_cone_would_be_noticed(modes):
     other = sweep("cpu", sweeps.parts(described, replace(settings, half_angle=58)), 1)
     _, found = modes["fast"]
     assert not np.allclose(other.film.radiance, found.film.radiance, rtol=1e-5, atol=1e-5)
+
+
+def test_windows_have_the_same_means_by_shared_memory_and_beyond_it(tmp_path):
+    # Tiles are cut off below; the last two windows reach further than shared memory has room for
+    buffer = np.random.default_rng(7).random((2, 13, 48), np.float32)
+    widths = 1.0, 1.7, 9.3, 64.9, 65.0, 90.5
+    found = sweeps.simulated((buffer, widths), tmp_path, BLURS)
+    mean = compiled(window_mean)
+    for (width, (down, across)), blurred in zip(
+        product(widths, ((0, 1), (1, 0))), found, strict=True
+    ):
+        for c, row, column in np.ndindex(buffer.shape):
+            expected = mean(buffer[c], row, column, down, across, np.float32(width))
+            assert abs(blurred[c, row, column] - expected) < 1e-6 * buffer.sum()

@@ -8,8 +8,11 @@ from .cone_cuda_eye import sees
 from .cone_layers import SEGMENT
 from .cone_rays import TILE, block_at, blurred_light, blurred_shadow, layers_of, window_mean
 
-f32 = np.float32
-ZERO, ONE = f32(0.0), f32(1.0)
+f32, i32 = np.float32, np.int32
+ZERO, HALF, ONE = f32(0.0), f32(0.5), f32(1.0)
+# Pixels around a tile that shared memory has room for, and that room: a tile is wider than high
+HALO = 32
+ROOM = SEGMENT * (TILE + 2 * HALO)
 
 
 @cuda.jit(device=True)
@@ -18,15 +21,16 @@ def light_blurred(blurred, volume, sweep, sheets, shade, film, image, number):
     if blurred is None:
         return
     grid = cuda.cg.this_grid()
+    room = cuda.shared.array(ROOM, f32)
     depth = sheets.seen.shape[0]
     for layer in range(min(depth, sweep.layers - number * depth)):
         light_by_buffer(blurred, volume, sweep, sheets, shade, film, image, number, layer)
         width = blurred.widths[number * depth + layer]
         if width > ZERO:
             grid.sync()
-            blur_along(blurred.missing, blurred.other, 0, 1, width)
+            blur_along(blurred.missing, blurred.other, 0, 1, width, room)
             grid.sync()
-            blur_along(blurred.other, blurred.missing, 1, 0, width)
+            blur_along(blurred.other, blurred.missing, 1, 0, width, room)
             grid.sync()
 
 
@@ -57,13 +61,51 @@ def light_by_buffer(blurred, volume, sweep, sheets, shade, film, image, number, 
 
 
 @cuda.jit(device=True)
-def blur_along(source, target, down, across, width):
-    """Mean over a window of every pixel, along columns or rows."""
+def blur_along(source, target, down, across, width, room):
+    """Mean over a window of every pixel, along columns (0, 1) or rows (1, 0).
+
+    By way of shared memory, `room`, unless the window reaches further than that has room for.
+    """
     colours, rows, columns = source.shape
     segments = columns // SEGMENT
+    reach = i32((width - ONE) * HALF)
     for tile in range(cuda.blockIdx.x, -(-rows // TILE) * segments, cuda.gridDim.x):
-        row = tile // segments * TILE + cuda.threadIdx.y
-        column = tile % segments * SEGMENT + cuda.threadIdx.x
-        if row < rows:
-            for c in range(colours):
-                target[c, row, column] = window_mean(source[c], row, column, down, across, width)
+        top, left = tile // segments * TILE, tile % segments * SEGMENT
+        row, column = top + cuda.threadIdx.y, left + cuda.threadIdx.x
+        for c in range(colours):
+            if reach < HALO:
+                copy_tile(source[c], top, left, (reach + 1) * down, (reach + 1) * across, room)
+                mean = mean_in_copy(room, down, across, width)
+            else:
+                mean = window_mean(source[c], row, column, down, across, width)
+            if row < rows:
+                target[c, row, column] = mean
+
+
+@cuda.jit(device=True)
+def copy_tile(values, top, left, above, beside, room):
+    """Copy a tile, rows above and below and columns beside it; 0 beyond the ends."""
+    rows, columns = values.shape
+    wide = SEGMENT + 2 * beside
+    # Others may still read what is there
+    cuda.syncthreads()
+    first = cuda.threadIdx.y * SEGMENT + cuda.threadIdx.x
+    for place in range(first, (TILE + 2 * above) * wide, TILE * SEGMENT):
+        row, column = top - above + place // wide, left - beside + place % wide
+        inside = 0 <= row < rows and 0 <= column < columns
+        room[place] = values[row, column] if inside else ZERO
+    cuda.syncthreads()
+
+
+@cuda.jit(device=True)
+def mean_in_copy(room, down, across, width):
+    """`window_mean` of this thread's pixel: the same sum, so the same bits."""
+    reach = i32((width - ONE) * HALF)
+    rest = (width - ONE) * HALF - f32(reach)
+    wide = SEGMENT + 2 * (reach + 1) * across
+    row, column = cuda.threadIdx.y + (reach + 1) * down, cuda.threadIdx.x + (reach + 1) * across
+    total = ZERO
+    for k in range(-reach - 1, reach + 2):
+        value = room[(row + k * down) * wide + column + k * across]
+        total += value * (rest if abs(k) > reach else ONE)
+    return total / width

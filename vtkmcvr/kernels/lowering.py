@@ -19,8 +19,8 @@ from numba.core.typed_passes import NativeLowering
 class _LowerValues(Lower):
     def _find_singly_assigned_variable(self):
         """Find the variables that can be values: assigned once, before every use."""
-        super()._find_singly_assigned_variable()
-        self._singly_assigned_vars |= assigned_before_use(self.blocks, ir.Assign, analysis)
+        self._singly_assigned_vars = assigned_before_use(self.blocks, ir.Assign, analysis)
+        self._blk_local_varmap = {}
 
 
 def assigned_before_use(blocks, assign, analysis):

@@ -6,14 +6,14 @@ This leans on parts of numba-cuda that it does not document: `Lower._find_singly
 from contextlib import contextmanager
 
 from numba.cuda.core import analysis, ir
-from numba.cuda.lowering import CUDALower, Lower
+from numba.cuda.lowering import CUDALower
 
 from .lowering import assigned_before_use
 
 
 def _find(self):
-    Lower._find_singly_assigned_variable(self)
-    self._singly_assigned_vars |= assigned_before_use(self.blocks, ir.assign_types, analysis)
+    self._singly_assigned_vars = assigned_before_use(self.blocks, ir.assign_types, analysis)
+    self._blk_local_varmap = {}
 
 
 @contextmanager
