@@ -10,11 +10,10 @@ import sys
 from pathlib import Path
 
 import numpy as np
+from numba import cuda
 
 
 def main(source, target):
-    from numba import cuda
-
     from vtkmcvr.kernels.cone_cuda import THREADS
     from vtkmcvr.kernels.cone_cuda_blurred import ROOM, blur_along
 
