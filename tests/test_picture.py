@@ -25,6 +25,7 @@ def test_a_display_is_edited_without_a_ray(picture, monkeypatch):
         raise AssertionError("traced")
 
     monkeypatch.setattr(schedule, "render_tile", no_rays)
+    monkeypatch.setattr(schedule, "Launcher", no_rays)
     for changes in (
         {"exposure": 2.0},
         {"gamma": 1.5},

@@ -15,6 +15,7 @@ UNCACHED = {
     "exact": numba.njit(**{**jit.DEVICE, "fastmath": False}),
     "glue": jit.glue,
     "kernel": numba.njit(nogil=True, pipeline_class=KernelCompiler, **jit.KERNEL),
+    "launched": numba.njit(nogil=True, pipeline_class=KernelCompiler, **jit.KERNEL),
     "entry_point": numba.njit(error_model="numpy", fastmath=jit.FAST_MATH, nogil=True),
 }
 

@@ -19,7 +19,7 @@ from . import packed
 from .accuracy import ImageError, error_of, samples_for, totals_of
 from .adaptive import QUARTERS, Density, goals, level_of, level_with
 from .sight import fill_black, nothing_seen
-from .tiles import render_tile
+from .tiles import Launcher, render_tile
 
 logger = logging.getLogger("vtkmcvr")
 
@@ -220,7 +220,8 @@ class Runner:
     def _pass(self, pool: Any, target: int) -> None:
         tiles = iter(list(self._tiles(target)))
         lock, goal = threading.Lock(), self._goals(target)
-        jobs = [pool.submit(self._work, tiles, lock, goal) for _ in range(self.threads)]
+        launch = Launcher(self.film, self.scene, goal, np.int64(self.seed))
+        jobs = [pool.submit(self._work, tiles, lock, goal, launch) for _ in range(self.threads)]
         try:
             self._watch(jobs)
         except BaseException:
@@ -242,7 +243,13 @@ class Runner:
             for column in range(0, width, edge):
                 yield row, min(row + edge, height), column, min(column + edge, width)
 
-    def _work(self, tiles: Iterator[Tile], lock: threading.Lock, goal: NDArray[np.int64]) -> None:
+    def _work(
+        self,
+        tiles: Iterator[Tile],
+        lock: threading.Lock,
+        goal: NDArray[np.int64],
+        launch: Callable[..., None],
+    ) -> None:
         while not self.halt.is_set():
             if self.rules.running is not None:
                 self.rules.running.wait(PAUSE_SECONDS)
@@ -253,7 +260,7 @@ class Runner:
             row_0, row_1, column_0, column_1 = tile
             here = slice(row_0, row_1), slice(column_0, column_1)
             more = int(np.maximum(goal[here] - self.film.count[here], 0).sum())
-            render_tile(self.film, self.scene, *tile, goal, np.int64(self.seed))
+            launch(*tile)
             with lock:
                 self.paths += more
 

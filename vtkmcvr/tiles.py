@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 import numpy as np
 from numpy.typing import NDArray
 
 from . import packed
 from .kernels.cpu import render_tile as render_one_by_one
+from .kernels.launch import Launched, words_of
 from .kernels.stages import Room, new_room, render_in_step
 
-# Rooms that no thread is in: as many as there have been threads at a time, 2 MB each
-_free: list[Room] = []
+Words = NDArray[np.int64]
+# Rooms that no thread is in, with their words: as many as there have been threads at a time
+_free: list[tuple[Room, Words]] = []
 
 
 def goes_in_step(scene: packed.Scene) -> bool:
@@ -25,6 +30,54 @@ def goes_in_step(scene: packed.Scene) -> bool:
     return compiled and all(effect is None for effect in others)
 
 
+class Launcher:
+    """Renders tiles of a film, up to a `goal` of samples in each pixel.
+
+    It takes film and scene apart once, for all tiles.
+
+    Parameters
+    ----------
+    film : packed.Film
+        Continued where it is. No pixel depends on the tile that it is in.
+    scene : packed.Scene
+    goal : ndarray of int64, (H, W)
+    seed : int64
+    """
+
+    def __init__(
+        self, film: packed.Film, scene: packed.Scene, goal: NDArray[np.int64], seed: np.int64
+    ) -> None:
+        self._arguments = film, scene, goal, seed
+        self._in_step = goes_in_step(scene)
+        # Plain Python with NUMBA_DISABLE_JIT=1
+        self._compiled = isinstance(render_one_by_one, Launched)
+        if self._compiled:
+            self._address = self._machine_code()
+            self._words = words_of((film, scene)), words_of((goal, seed))
+
+    def _machine_code(self) -> int:
+        film, scene, goal, seed = self._arguments
+        if not self._in_step:
+            return render_one_by_one.address(film, scene, 0, 0, 0, 0, goal, seed)
+        with _room() as (room, _):
+            return render_in_step.address(film, scene, 0, 0, 0, 0, goal, seed, room)
+
+    def __call__(self, row_0: int, row_1: int, column_0: int, column_1: int) -> None:
+        """Bring every pixel of a tile up to its goal."""
+        if not self._compiled:
+            film, scene, goal, seed = self._arguments
+            render_one_by_one(film, scene, row_0, row_1, column_0, column_1, goal, seed)
+            return
+        film_and_scene, goal_and_seed = self._words
+        tile = np.array((row_0, row_1, column_0, column_1), np.int64)
+        words = film_and_scene, tile, goal_and_seed
+        if not self._in_step:
+            Launched.launch(self._address, *words)
+            return
+        with _room() as (_, room):
+            Launched.launch(self._address, *words, room)
+
+
 def render_tile(
     film: packed.Film,
     scene: packed.Scene,
@@ -35,23 +88,19 @@ def render_tile(
     goal: NDArray[np.int64],
     seed: np.int64,
 ) -> None:
-    """Bring every pixel of a tile up to its `goal` of samples; continues where the film is.
-
-    No pixel depends on the tile that it is in.
-    """
-    if not goes_in_step(scene):
-        render_one_by_one(film, scene, row_0, row_1, column_0, column_1, goal, seed)
-        return
-    room = _room()
-    try:
-        render_in_step(film, scene, row_0, row_1, column_0, column_1, goal, seed, room)
-    finally:
-        _free.append(room)
+    """Render one tile; see `Launcher`."""
+    Launcher(film, scene, goal, seed)(row_0, row_1, column_0, column_1)
 
 
-def _room() -> Room:
+@contextmanager
+def _room() -> Iterator[tuple[Room, Words]]:
     # Taking one is a single step of the interpreter, as giving it back is
     try:
-        return _free.pop()
+        free = _free.pop()
     except IndexError:
-        return new_room()
+        room = new_room()
+        free = room, words_of(room)
+    try:
+        yield free
+    finally:
+        _free.append(free)

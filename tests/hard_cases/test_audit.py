@@ -79,7 +79,7 @@ FAULTS = {
         "power_heuristic(pdf, light.pdf)",
     )],
     "missing cosine of the surface": [
-        ("kernels/brdf.py", "    return scale(f, cos_i)\n", "    return f\n"),
+        ("kernels/brdf.py", "return scale(f, cos_i), HALF", "return f, HALF"),
     ],
     "missing cosine of the light": [(
         "kernels/shapes.py", "return distance * distance / (cosine * area)",

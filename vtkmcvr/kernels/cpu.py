@@ -1,10 +1,10 @@
 """CPU launcher: one tile, serial, without the GIL."""
 
-from .jit import kernel
+from .jit import launched
 from .sample import take_sample
 
 
-@kernel
+@launched
 def render_tile(film, scene, row_0, row_1, column_0, column_1, goal, seed):
     """Bring every pixel of a tile up to its `goal` of samples; continues where the film is."""
     for row in range(row_0, row_1):

@@ -17,7 +17,8 @@ from numba import njit
 from numba.core.caching import FunctionCache, IndexDataCacheFile
 from numba.core.registry import CPUDispatcher
 
-from .linked import DeviceCompiler, KernelCompiler, ObjectCompiler
+from .launch import Launched
+from .linked import DeviceCompiler, KernelCompiler, LaunchedCompiler, ObjectCompiler
 from .linked_cache import DeviceCacheImpl, KernelCacheImpl, ObjectCacheImpl
 
 # No "nnan" and no "ninf": kernels use NaN voxels and infinite distances on purpose.
@@ -166,6 +167,14 @@ def kernel(function: Callable):
     """Compile a function that Python calls, which runs without the GIL and allocates nothing."""
     compiled = njit(nogil=True, pipeline_class=KernelCompiler, **KERNEL)(function)
     return _cached(compiled, _StampedKernelCache)
+
+
+def launched(function: Callable):
+    """`kernel` for one that takes a film and a scene: called by way of a block of words."""
+    dispatcher = njit(nogil=True, pipeline_class=LaunchedCompiler, **KERNEL)(function)
+    if hasattr(dispatcher, "py_func"):
+        dispatcher.__class__ = Launched
+    return _cached(dispatcher, _StampedKernelCache)
 
 
 def entry_point(function: Callable):

@@ -20,7 +20,7 @@ from numba.core import compiler
 from numba.core.codegen import CodeLibrary, JITCodeLibrary
 from numba.core.typed_passes import NativeLowering
 
-from .lowering import ValueLowering
+from .lowering import LaunchedLowering, ValueLowering
 
 
 class _Library(JITCodeLibrary):
@@ -209,11 +209,12 @@ def _set_linkage(module, old, new: str):
 
 class _Compiler(compiler.Compiler):
     library: type[CodeLibrary]
+    lowering = ValueLowering
 
     def define_pipelines(self):
         """Return Numba's pipeline, with this project's lowering."""
         [pipeline] = super().define_pipelines()
-        passes = [(ValueLowering if p is NativeLowering else p, why) for p, why in pipeline.passes]
+        passes = [(self.lowering if p is NativeLowering else p, why) for p, why in pipeline.passes]
         pipeline.passes = passes
         pipeline._finalized = False
         pipeline.finalize()
@@ -237,6 +238,12 @@ class KernelCompiler(_Compiler):
     """Numba's compiler, optimising a kernel with all that it calls as one."""
 
     library = KernelLibrary
+
+
+class LaunchedCompiler(KernelCompiler):
+    """`KernelCompiler`, of kernels that take their arguments as a block of words."""
+
+    lowering = LaunchedLowering
 
 
 class ObjectCompiler(_Compiler):

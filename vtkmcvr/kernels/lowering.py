@@ -1,15 +1,18 @@
 """Lowering of kernels to LLVM code: variables that are assigned once are values, not memory.
 
+And for kernels that take a scene: a way in that reads their arguments from a block of words.
+
 Numba gives every variable that is used in more than one block a place on the stack, to be loaded
 whole wherever it is read, and LLVM takes all of them apart again. For a scene, a tuple of hundreds
 of numbers that is read everywhere, this is most of its work.
 
 This leans on parts of Numba that it does not document: `Lower._find_singly_assigned_variable`,
-which makes values of variables that live in one block only.
+which makes values of variables that live in one block only, and `Lower.create_cpython_wrapper`.
 """
 
 from collections import Counter, defaultdict
 
+from llvmlite import ir as llvm
 from numba.core import analysis, ir
 from numba.core.compiler_machinery import register_pass
 from numba.core.lowering import Lower
@@ -59,3 +62,49 @@ class ValueLowering(NativeLowering):
     def lowering_class(self):
         """Class that lowers one function."""
         return _LowerValues
+
+
+INT, LONG = llvm.IntType(32), llvm.IntType(64)
+
+
+class _LowerLaunched(_LowerValues):
+    def create_cpython_wrapper(self, release_gil=False):
+        """Make the way in, under the name of Numba's own: status of f(address of the words).
+
+        Numba's takes Python's objects apart, one after the other, which for a film and a scene is a
+        sixth of all there is to compile.
+        """
+        module = self.context.create_module("way in")
+        kind = self.context.call_conv.get_function_type(self.fndesc.restype, self.fndesc.argtypes)
+        kernel = llvm.Function(module, kind, self.fndesc.llvm_func_name)
+        kernel.attributes.add("noinline")
+        name = self.fndesc.llvm_cpython_wrapper_name
+        way_in = llvm.Function(module, llvm.FunctionType(INT, [LONG.as_pointer()]), name)
+        builder = llvm.IRBuilder(way_in.append_basic_block())
+        result, error = (builder.alloca(place.pointee) for place in kind.args[:2])
+        builder.store(llvm.Constant(error.type.pointee, None), error)
+        words = [
+            _word(builder, builder.gep(way_in.args[0], [LONG(k)]), element)
+            for k, element in enumerate(kind.args[2:])
+        ]
+        builder.ret(builder.call(kernel, [result, error, *words]))
+        self.library.add_ir_module(module)
+
+
+def _word(builder, place, kind):
+    """What a word holds: its lowest bits."""
+    if kind == llvm.IntType(1):
+        return builder.trunc(builder.load(place), kind)
+    return builder.load(builder.bitcast(place, kind.as_pointer()))
+
+
+@register_pass(mutates_CFG=True, analysis_only=False)
+class LaunchedLowering(NativeLowering):
+    """Numba's last pass but one, by `_LowerLaunched`."""
+
+    _name = "launched_lowering"
+
+    @property
+    def lowering_class(self):
+        """Class that lowers one function."""
+        return _LowerLaunched

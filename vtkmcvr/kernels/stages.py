@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from .brdf import first_normal
 from .direct import draw_by_light, draw_by_scatter
 from .event import NOWHERE, event_at, nearest_approach, receiver_ahead, way_through
-from .jit import device, glue, kernel
+from .jit import device, glue, launched
 from .kept import PLACE, keep, kept
 from .lights import light_seen
 from .packets import BY_DELTA, transmittance_found, walk_all, walk_shadows
@@ -149,7 +149,7 @@ def choose(film, goal, rows, columns, cursor, room):
     return n, (row, column, sample)
 
 
-@kernel
+@launched
 def render_in_step(film, scene, row_0, row_1, column_0, column_1, goal, seed, room):
     """`cpu.render_tile`, by stages; scattering is single and `more` and `marching` are None."""
     if row_0 >= row_1 or column_0 >= column_1:

@@ -1,0 +1,65 @@
+"""Calls of kernels that take a film and a scene: hundreds of numbers, as a block of words.
+
+A word has 64 bits, and holds a number or an address. In which order they follow is that of Numba's
+calling convention: fields of tuples one after the other; of an array what its structure has.
+"""
+
+import ctypes
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from numba import typeof, types
+from numba.core.registry import CPUDispatcher
+from numpy.typing import NDArray
+
+# What an array begins with: its memory's owner and parent, which kernels know nothing of
+UNOWNED = (0, 0)
+way_in = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p)
+
+
+def words_of(value: Any) -> NDArray[np.int64]:
+    """Words of an argument."""
+    return np.array(list(_words(value, typeof(value))), np.int64)
+
+
+def _words(value: Any, kind: types.Type) -> Iterator[int]:
+    if isinstance(kind, types.Array):
+        yield from UNOWNED
+        yield from (value.size, value.itemsize, value.ctypes.data, *value.shape, *value.strides)
+    elif isinstance(kind, types.BaseTuple):
+        for part, part_kind in zip(value, kind, strict=True):
+            yield from _words(part, part_kind)
+    elif isinstance(kind, types.NoneType):
+        yield 0
+    elif isinstance(kind, (types.Number, types.Boolean)):
+        bits = np.array(value, str(kind)).tobytes()
+        yield int.from_bytes(bits.ljust(8, b"\0"), "little", signed=True)
+    else:
+        raise TypeError(f"kernels take arrays, tuples, numbers and None, not {kind}")
+
+
+class Launched(CPUDispatcher):
+    """A kernel that takes its arguments as words."""
+
+    def __call__(self, *arguments: Any) -> None:
+        """Run for these arguments, compiled for their types."""
+        self.launch(self.address(*arguments), *map(words_of, arguments))
+
+    def address(self, *arguments: Any) -> int:
+        """Machine code for arguments of these types, compiled where there is none yet."""
+        kinds = tuple(map(typeof, arguments))
+        self.compile(kinds)
+        compiled = self.overloads[kinds]
+        return compiled.library.get_pointer_to_function(compiled.fndesc.llvm_cpython_wrapper_name)
+
+    @staticmethod
+    def launch(address: int, *words: NDArray[np.int64]) -> None:
+        """Run machine code for the words of its arguments, without the GIL.
+
+        The caller keeps the arguments until it returns.
+        """
+        block = np.concatenate(words)
+        status = way_in(address)(block.ctypes.data)
+        if status != 0:
+            raise RuntimeError(f"a kernel ended with status {status}; this is a fault of vtkmcvr")
