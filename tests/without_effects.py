@@ -5,7 +5,7 @@ import ast
 import numba
 
 from vtkmcvr.kernels import jit
-from vtkmcvr.kernels.linked import KernelCompiler
+from vtkmcvr.kernels.compilers import KernelCompiler
 from vtkmcvr.work.sources import load_kernels
 
 # As in `kernels.jit`, without its on-disk cache

@@ -17,8 +17,8 @@ from numba import njit
 from numba.core.caching import FunctionCache, IndexDataCacheFile
 from numba.core.registry import CPUDispatcher
 
+from .compilers import DeviceCompiler, KernelCompiler, LaunchedCompiler, ObjectCompiler
 from .launch import Launched
-from .linked import DeviceCompiler, KernelCompiler, LaunchedCompiler, ObjectCompiler
 from .linked_cache import DeviceCacheImpl, KernelCacheImpl, ObjectCacheImpl
 
 # No "nnan" and no "ninf": kernels use NaN voxels and infinite distances on purpose.
