@@ -25,6 +25,7 @@ from vtkmcvr.kernels.grid import trilinear
 from vtkmcvr.kernels.jit import entry_point
 from vtkmcvr.kernels.lanes import WIDTH
 from vtkmcvr.kernels.lanes_memory import load, store
+from vtkmcvr.kernels.launch import words_of
 from vtkmcvr.kernels.packets import trilinear as trilinear_of_lanes
 from vtkmcvr.kernels.pool import new_pool, new_queue
 from vtkmcvr.kernels.stages import new_room
@@ -125,7 +126,8 @@ def pictures():
 
     def render(at_end):
         try:
-            tiles._free[:] = [all_guarded(new_room(), at_end, garbage=True)]
+            room = all_guarded(new_room(), at_end, garbage=True)
+            tiles._free[:] = [(room, words_of(room))]
             scene = all_guarded(made.packed, at_end)
             for _ in range(2):
                 film = all_guarded(empty_film(made), at_end)
