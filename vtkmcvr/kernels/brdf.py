@@ -188,7 +188,10 @@ def grazing(x):
 
 @device
 def coat(gloss, n, h, cos_h):
-    """Reflection of the coat over its Fresnel factor, and the density with which it is drawn."""
+    """D(h) / (4 cos_h), and the density per steradian with which the coat draws wi.
+
+    The first times Fresnel's factor, over the larger cosine of wo and wi, is the coat's BRDF.
+    """
     if cos_h <= ZERO:
         return ZERO, ZERO
     d, pdf_h = microfacets(gloss, n, h)

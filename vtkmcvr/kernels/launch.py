@@ -19,7 +19,10 @@ way_in = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p)
 
 
 def words_of(value: Any) -> NDArray[np.int64]:
-    """Words of an argument."""
+    """Words of an argument, (n,): of arrays, tuples of such, numbers and None.
+
+    Arrays go by address: the caller keeps them as long as the words. Raises TypeError for others.
+    """
     return np.array(list(_words(value, typeof(value))), np.int64)
 
 

@@ -57,11 +57,7 @@ class ValueLowering(NativeLowering):
     """Numba's last pass but one, by `_LowerValues`."""
 
     _name = "value_lowering"
-
-    @property
-    def lowering_class(self):
-        """Class that lowers one function."""
-        return _LowerValues
+    lowering_class = _LowerValues
 
 
 INT, LONG = llvm.IntType(32), llvm.IntType(64)
@@ -103,8 +99,4 @@ class LaunchedLowering(NativeLowering):
     """Numba's last pass but one, by `_LowerLaunched`."""
 
     _name = "launched_lowering"
-
-    @property
-    def lowering_class(self):
-        """Class that lowers one function."""
-        return _LowerLaunched
+    lowering_class = _LowerLaunched

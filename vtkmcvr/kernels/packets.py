@@ -1,12 +1,13 @@
 """`tracking.walk` of many rays at once, in lanes of SIMD registers: the same estimators.
 
 A ray by itself is one chain of steps, each of which waits for the one before: position, macrocell,
-eight voxels, transfer function, decision. Here a pool of rays goes one step each in turn, either to
-a tentative collision or to the next macrocell, so that the steps of different rays overlap and
-decisions are no branches. A ray that has ended makes room for the next one of the queue. No ray
-depends on which others there are.
+eight voxels, transfer function, decision. Here the rays of a pool take steps together, each either
+to a tentative collision, where it waits, or to the next macrocell; then those that wait are looked
+up and decided about. So the steps of different rays overlap, and decisions are no branches. A ray
+that has ended makes room for the next one of the queue; none depends on which others there are.
 
-Only media whose extinction is that of a table of scalars: no labels, cuts or gradients.
+Only media whose extinction is that of a table of scalars, one for each label: no holes, regions or
+gradients.
 """
 
 import numpy as np

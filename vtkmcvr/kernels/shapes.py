@@ -18,7 +18,7 @@ from .vec import BLACK, at, dot, from_basis, orthonormal_basis, scale, sub
 from .warp import PI, TWO_PI, uniform_sphere
 
 f32 = np.float32
-ZERO, HALF, ONE, TWO, FOUR = f32(0.0), f32(0.5), f32(1.0), f32(2.0), f32(4.0)
+ZERO, ONE, TWO, FOUR = f32(0.0), f32(1.0), f32(2.0), f32(4.0)
 RECTANGLE, DISK, SPHERE, CYLINDER = 0, 1, 2, 3
 
 
