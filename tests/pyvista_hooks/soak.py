@@ -1,6 +1,6 @@
 """Scripted editing of a live scene for a long time: no crash, and memory stays flat.
 
-python tests/pyvista_hooks/soak.py [--minutes 30] [--json FILE]
+python tests/pyvista_hooks/soak.py [--minutes 30] [--edits N] [--json FILE]
 """
 
 import argparse
@@ -13,8 +13,9 @@ import pyvista as pv
 from plotters import add, blob, look
 from vtkmodules.vtkCommonDataModel import vtkPlane
 
-# Edits after which memory is looked at for the first time: caches are full, kernels loaded
-WARM_UP = 60
+# Edits after which memory is looked at for the first time: caches are full, and every combination
+# of effects that the edits lead to has had its kernels loaded (the last one after some 180)
+WARM_UP = 240
 
 
 def resident():
@@ -95,7 +96,7 @@ class Editor:
         self.plotter.mcvr.enable(exposure=float(self.random.uniform(0, 3)))
 
 
-def soak(seconds, least=0):
+def soak(seconds, least):
     """Edit for some time, at least `least` times. Returns what happened."""
     editor = Editor()
     memory, edits, end = [], 0, time.perf_counter() + seconds
@@ -119,9 +120,10 @@ def growth(memory):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--minutes", type=float, default=30)
+    parser.add_argument("--edits", type=int, default=2 * WARM_UP, help="go on to this many at least")
     parser.add_argument("--json")
     options = parser.parse_args()
-    result = soak(60 * options.minutes)
+    result = soak(60 * options.minutes, options.edits)
     result["growth_MiB"] = growth(result["memory_MiB"])
     if options.json:
         with open(options.json, "w") as file:
