@@ -26,11 +26,11 @@ PLUMBING = ("mov", "vmov", "j", "lea", "nop", "push", "pop", "xchg")
 
 
 def instructions(planned, absent=(), in_step=False):
-    """Instructions of the kernel of a scene, how often each."""
-    kernel, more = compiled_launcher(in_step, absent)
+    """Instructions of the kernels of a scene, how often each."""
+    launch = compiled_launcher(in_step, absent)
     film = empty_film(planned)
-    kernel(film, planned.packed, 0, 0, 0, 0, film.count, np.int64(0), *more)
-    (text,) = kernel.inspect_asm().values()
+    launch.at(film, planned.packed, film.count, np.int64(0))(0, 0, 0, 0)
+    text = "\n".join(launch.assembly())
     lines = [line.split()[0] for line in text.splitlines() if line.startswith("\t")]
     return Counter(word for word in lines if not word.startswith("."))
 

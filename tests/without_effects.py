@@ -5,30 +5,68 @@ import ast
 import numba
 
 from vtkmcvr.kernels import jit
-from vtkmcvr.kernels.compilers import KernelCompiler
+from vtkmcvr.kernels.compilers import KernelCompiler, LaunchedCompiler
+from vtkmcvr.kernels.launch import Launched
+from vtkmcvr.kernels.room import new_room
 from vtkmcvr.work.sources import load_kernels
+
+
+def launched(function):
+    """`jit.launched` without its on-disk cache."""
+    dispatcher = numba.njit(nogil=True, pipeline_class=LaunchedCompiler, **jit.KERNEL)(function)
+    dispatcher.__class__ = Launched
+    return dispatcher
+
 
 # As in `kernels.jit`, without its on-disk cache
 UNCACHED = {
     "device": numba.njit(**jit.DEVICE),
-    "outlined": numba.njit(**{**jit.DEVICE, "forceinline": False}),
     "exact": numba.njit(**{**jit.DEVICE, "fastmath": False}),
     "glue": jit.glue,
     "kernel": numba.njit(nogil=True, pipeline_class=KernelCompiler, **jit.KERNEL),
-    "launched": numba.njit(nogil=True, pipeline_class=KernelCompiler, **jit.KERNEL),
+    "launched": launched,
     "entry_point": numba.njit(error_model="numpy", fastmath=jit.FAST_MATH, nogil=True),
 }
 
 
 def compiled_launcher(in_step, absent=()):
-    """Launcher of tiles, compiled anew, and what it takes beside what all take.
+    """Launcher of tiles, compiled anew from sources without what serves parameters named `absent`.
 
-    The sources are without what only serves parameters named `absent`.
+    `at(film, scene, goal, seed)` returns what brings a tile up to its goal.
     """
-    kernels = load_kernels(
-        "stages" if in_step else "cpu", UNCACHED, Removal(frozenset(absent)).visit
-    )
-    return (kernels.render_in_step, (kernels.new_room(),)) if in_step else (kernels.render_tile, ())
+    module = "program" if in_step else "cpu"
+    kernels = load_kernels(module, UNCACHED, Removal(frozenset(absent)).visit)
+    return InStep(kernels) if in_step else OneByOne(kernels.render_tile)
+
+
+class OneByOne:
+    """Launcher of paths one by one."""
+
+    def __init__(self, kernel):
+        self.kernel = kernel
+
+    def at(self, film, scene, goal, seed):
+        return lambda *tile: self.kernel(film, scene, *tile, goal, seed)
+
+    def assembly(self):
+        return list(self.kernel.inspect_asm().values())
+
+
+class InStep:
+    """Launcher of paths in step."""
+
+    def __init__(self, kernels):
+        self.kernels, self.room = kernels, new_room()
+        self.stages = set()
+
+    def at(self, film, scene, goal, seed):
+        steps = self.kernels.steps_of(film, scene, goal, seed, self.room)
+        self.stages |= {stage for part in steps for stage, _ in part}
+        made = self.kernels.program(film, scene, goal, seed, self.room, {})
+        return lambda *tile: self.kernels.run(made, *tile)
+
+    def assembly(self):
+        return [text for stage in self.stages for text in stage.inspect_asm().values()]
 
 
 class Removal(ast.NodeTransformer):

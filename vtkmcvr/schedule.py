@@ -10,7 +10,7 @@ import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +24,7 @@ from .tiles import Launcher, render_tile
 logger = logging.getLogger("vtkmcvr")
 
 Tile = tuple[int, int, int, int]
+Compiled = TypeVar("Compiled")
 
 # Work between two looks at abort and deadline, and length of a pass, in seconds
 TILE_SECONDS, PASS_SECONDS, POLL_SECONDS = 0.02, 0.5, 0.02
@@ -104,8 +105,8 @@ def run(
         if progress is not None:
             progress(Progress(1.0, level_of(film.count, density), 0.0))
         return stopped_by, 0.0
-    compiling(lambda: render_tile(film, scene, 0, 0, 0, 0, film.count, np.int64(seed)))
-    runner = Runner(scene, film, rules, seed, threads, progress, density)
+    launch = compiling(lambda: Launcher(film, scene, np.zeros_like(film.count), np.int64(seed)))
+    runner = Runner(scene, film, rules, seed, threads, progress, density, launch)
     with ThreadPoolExecutor(threads, thread_name_prefix="vtkmcvr") as pool:
         stopped_by = runner.run(pool)
     return stopped_by, time.perf_counter() - runner.start
@@ -124,14 +125,14 @@ def default_threads() -> int:
     return os.cpu_count() or 1
 
 
-def compiling(launch: Callable[[], object]) -> None:
+def compiling(launch: Callable[[], Compiled]) -> Compiled:
     """Call what compiles, or loads from the cache; say so when it takes long."""
     message = "compiling the kernels for this scene's effects (once; they are cached on disk)"
     timer = threading.Timer(COMPILE_MESSAGE_AFTER, logger.warning, [message])
     timer.daemon = True
     timer.start()
     try:
-        launch()
+        return launch()
     finally:
         timer.cancel()
 
@@ -148,8 +149,9 @@ class Runner:
         threads: int,
         progress: Callable[[Progress], object] | None,
         density: Density | None,
+        launch: Launcher | None = None,
     ):
-        self.scene, self.film, self.rules = scene, film, rules
+        self.scene, self.film, self.rules, self.launch = scene, film, rules, launch
         self.seed, self.threads, self.progress = seed, threads, progress
         self.density = density
         self.goal = UNLIMITED if rules.samples is None else rules.samples
@@ -218,10 +220,10 @@ class Runner:
             self.stopped_by = "dark"
 
     def _pass(self, pool: Any, target: int) -> None:
-        tiles = iter(list(self._tiles(target)))
-        lock, goal = threading.Lock(), self._goals(target)
-        launch = Launcher(self.film, self.scene, goal, np.int64(self.seed))
-        jobs = [pool.submit(self._work, tiles, lock, goal, launch) for _ in range(self.threads)]
+        assert self.launch is not None
+        tiles, lock = iter(list(self._tiles(target))), threading.Lock()
+        self.launch.goal[...] = self._goals(target)
+        jobs = [pool.submit(self._work, tiles, lock, self.launch) for _ in range(self.threads)]
         try:
             self._watch(jobs)
         except BaseException:
@@ -243,13 +245,7 @@ class Runner:
             for column in range(0, width, edge):
                 yield row, min(row + edge, height), column, min(column + edge, width)
 
-    def _work(
-        self,
-        tiles: Iterator[Tile],
-        lock: threading.Lock,
-        goal: NDArray[np.int64],
-        launch: Callable[..., None],
-    ) -> None:
+    def _work(self, tiles: Iterator[Tile], lock: threading.Lock, launch: Launcher) -> None:
         while not self.halt.is_set():
             if self.rules.running is not None:
                 self.rules.running.wait(PAUSE_SECONDS)
@@ -259,7 +255,7 @@ class Runner:
                 return
             row_0, row_1, column_0, column_1 = tile
             here = slice(row_0, row_1), slice(column_0, column_1)
-            more = int(np.maximum(goal[here] - self.film.count[here], 0).sum())
+            more = int(np.maximum(launch.goal[here] - self.film.count[here], 0).sum())
             launch(*tile)
             with lock:
                 self.paths += more

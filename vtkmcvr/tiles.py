@@ -10,28 +10,29 @@ from numpy.typing import NDArray
 
 from . import packed
 from .kernels.cpu import render_tile as render_one_by_one
-from .kernels.launch import Launched, words_of
-from .kernels.stages import Room, new_room, render_in_step
+from .kernels.launch import Known, Launched, words_of
+from .kernels.program import Program, program, run
+from .kernels.room import Room, new_room
 
-Words = NDArray[np.int64]
-# Rooms that no thread is in, with their words: as many as there have been threads at a time
-_free: list[tuple[Room, Words]] = []
+# Not plain Python, as with NUMBA_DISABLE_JIT=1
+COMPILED = isinstance(render_one_by_one, Launched)
+# Rooms that no thread is in: as many as there have been threads at a time
+_free: list[Room] = []
 
 
 def goes_in_step(scene: packed.Scene) -> bool:
-    """Whether paths go in step: single scattering in one volume, whose table is one of scalars."""
+    """Whether paths go in step: in one volume, whose table is one of scalars."""
     medium, transfer = scene.medium, scene.transfer
     others = (
-        scene.scattering, scene.marching, scene.more, medium.holes, medium.regions,
-        transfer.gradient_opacity, transfer.table_2d,
+        scene.marching, scene.more, medium.holes, medium.regions, transfer.gradient_opacity,
+        transfer.table_2d,
     )  # fmt: skip
-    # Plain Python, as with NUMBA_DISABLE_JIT=1, knows no lanes
-    compiled = hasattr(render_in_step, "py_func")
-    return compiled and all(effect is None for effect in others)
+    # Plain Python knows no lanes
+    return COMPILED and all(effect is None for effect in others)
 
 
 class Launcher:
-    """Renders tiles of a film, up to a `goal` of samples in each pixel.
+    """Renders tiles of a film, up to a `goal` of samples in each pixel, which may change.
 
     It takes film and scene apart once, for all tiles.
 
@@ -47,35 +48,38 @@ class Launcher:
     def __init__(
         self, film: packed.Film, scene: packed.Scene, goal: NDArray[np.int64], seed: np.int64
     ) -> None:
+        self.goal = goal
         self._arguments = film, scene, goal, seed
         self._in_step = goes_in_step(scene)
-        # Plain Python with NUMBA_DISABLE_JIT=1
-        self._compiled = isinstance(render_one_by_one, Launched)
-        if self._compiled:
-            self._address = self._machine_code()
+        # By room: a thread's
+        self._programs: dict[int, Program] = {}
+        self._known: Known = {}
+        if self._in_step:
+            with _room() as room:
+                self._program(room)
+        elif COMPILED:
+            self._address = render_one_by_one.address(film, scene, 0, 0, 0, 0, goal, seed)
             self._words = words_of((film, scene)), words_of((goal, seed))
 
-    def _machine_code(self) -> int:
-        film, scene, goal, seed = self._arguments
-        if not self._in_step:
-            return render_one_by_one.address(film, scene, 0, 0, 0, 0, goal, seed)
-        with _room() as (room, _):
-            return render_in_step.address(film, scene, 0, 0, 0, 0, goal, seed, room)
+    def _program(self, room: Room) -> Program:
+        # Rooms stay: no other one gets the number
+        if id(room) not in self._programs:
+            self._programs[id(room)] = program(*self._arguments, room, self._known)
+        return self._programs[id(room)]
 
     def __call__(self, row_0: int, row_1: int, column_0: int, column_1: int) -> None:
         """Bring every pixel of a tile up to its goal."""
-        if not self._compiled:
-            film, scene, goal, seed = self._arguments
-            render_one_by_one(film, scene, row_0, row_1, column_0, column_1, goal, seed)
-            return
-        film_and_scene, goal_and_seed = self._words
-        tile = np.array((row_0, row_1, column_0, column_1), np.int64)
-        words = film_and_scene, tile, goal_and_seed
-        if not self._in_step:
+        tile = row_0, row_1, column_0, column_1
+        if self._in_step:
+            with _room() as room:
+                run(self._program(room), *tile)
+        elif COMPILED:
+            film_and_scene, goal_and_seed = self._words
+            words = film_and_scene, np.array(tile, np.int64), goal_and_seed
             Launched.launch(self._address, *words)
-            return
-        with _room() as (_, room):
-            Launched.launch(self._address, *words, room)
+        else:
+            film, scene, goal, seed = self._arguments
+            render_one_by_one(film, scene, *tile, goal, seed)
 
 
 def render_tile(
@@ -93,14 +97,13 @@ def render_tile(
 
 
 @contextmanager
-def _room() -> Iterator[tuple[Room, Words]]:
+def _room() -> Iterator[Room]:
     # Taking one is a single step of the interpreter, as giving it back is
     try:
-        free = _free.pop()
+        room = _free.pop()
     except IndexError:
         room = new_room()
-        free = room, words_of(room)
     try:
-        yield free
+        yield room
     finally:
-        _free.append(free)
+        _free.append(room)

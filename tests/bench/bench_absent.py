@@ -39,11 +39,11 @@ SCENES = {
 
 def turn(launcher, planned):
     """Processor seconds of one picture."""
-    kernel, more = launcher
     film = empty_film(planned)
     goal = np.full_like(film.count, SAMPLES)
+    launch = launcher.at(film, planned.packed, goal, np.int64(0))
     start = time.process_time()
-    kernel(film, planned.packed, 0, SIZE[1], 0, SIZE[0], goal, np.int64(0), *more)
+    launch(0, SIZE[1], 0, SIZE[0])
     return time.process_time() - start
 
 

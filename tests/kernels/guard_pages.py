@@ -11,6 +11,7 @@ import itertools
 import mmap
 import sys
 import threading
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,17 +19,16 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 from scenes import everything
-from test_packets import N, at_once, planned, rays_through, voxels
+from test_packets import RATIO, N, at_once, planned, rays_through, voxels
 
 from vtkmcvr import tiles
 from vtkmcvr.kernels.grid import trilinear
 from vtkmcvr.kernels.jit import entry_point
 from vtkmcvr.kernels.lanes import WIDTH
 from vtkmcvr.kernels.lanes_memory import load, store
-from vtkmcvr.kernels.launch import words_of
 from vtkmcvr.kernels.packets import trilinear as trilinear_of_lanes
 from vtkmcvr.kernels.pool import new_pool, new_queue
-from vtkmcvr.kernels.stages import new_room
+from vtkmcvr.kernels.room import new_room
 from vtkmcvr.lights import ConstantEnvironment
 from vtkmcvr.plan import plan
 from vtkmcvr.rendering import empty_film
@@ -103,7 +103,7 @@ def walks(kind):
     for at_end, n in itertools.product((True, False), (N, 5)):
         expected, found = np.zeros((2, n, 4), np.float32)
         columns = -(-n // WIDTH) * WIDTH
-        some = [packed.medium, packed.transfer, packed.ratio, rays[:n].copy()]
+        some = [packed.medium, packed.transfer, RATIO, rays[:n].copy()]
         at_once(*some, new_queue(columns), new_pool(), expected)
         room = [all_guarded(x, at_end, garbage=True) for x in (new_queue(columns), new_pool())]
         some = [all_guarded(x, at_end) for x in some]
@@ -114,8 +114,14 @@ def walks(kind):
 
 
 def pictures():
+    """Render by single and by multiple scattering."""
+    some = everything(ConstantEnvironment(1.0), surface=Surface(gradient_factor=1.0))
+    for scattering in ("single", "multiple"):
+        picture(plan(replace(some, scattering=scattering)))
+
+
+def picture(made):
     """Render in a thread of little stack; again in the room that the first picture has left."""
-    made = plan(everything(ConstantEnvironment(1.0), surface=Surface(gradient_factor=1.0)))
     assert tiles.goes_in_step(made.packed)
     expected = empty_film(made)
     height, width = expected.count.shape
@@ -127,7 +133,7 @@ def pictures():
     def render(at_end):
         try:
             room = all_guarded(new_room(), at_end, garbage=True)
-            tiles._free[:] = [(room, words_of(room))]
+            tiles._free[:] = [room]
             scene = all_guarded(made.packed, at_end)
             for _ in range(2):
                 film = all_guarded(empty_film(made), at_end)

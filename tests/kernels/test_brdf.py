@@ -24,7 +24,7 @@ from vtkmcvr.kernels.brdf import (
     ALWAYS,
     HYBRID,
     THRESHOLD,
-    brdf_pdf,
+    brdf_weight_and_pdf,
     surface_event,
     surface_probability,
 )
@@ -52,23 +52,33 @@ def surface_share(surface, medium, p, sigma_t, wo, n):
 
 
 @entry_point
-def densities(gloss, n, wo, wi):
-    out = np.empty(len(wi), f32)
+def weights_and_densities(gloss, diffuse, n, wo, wi):
+    out = np.empty((len(wi), 4), f32)
     for i in range(len(wi)):
-        out[i] = brdf_pdf(gloss, n, wo, (wi[i, 0], wi[i, 1], wi[i, 2]))
+        d = (wi[i, 0], wi[i, 1], wi[i, 2])
+        weight, out[i, 3] = brdf_weight_and_pdf(gloss, diffuse, n, wo, d)
+        out[i, 0], out[i, 1], out[i, 2] = weight
     return out
 
 
 @pytest.mark.parametrize("exponent", EXPONENTS)
 @pytest.mark.parametrize("theta", [0, 60, 89, 120])
-def test_both_densities_are_the_same(exponent, theta):
-    # With the value for lights, alone for MIS; above and below the surface
+def test_a_weight_is_the_value_over_the_density(exponent, theta):
+    # Above and below the surface, with a coat and without
     random = np.random.default_rng(3).normal(size=(500, 3))
     wi = (random / np.linalg.norm(random, axis=1, keepdims=True)).astype(f32)
-    coat, wo = gloss(0.04, exponent), direction(theta)
-    with_value = values_and_densities(coat, colour(0.5), UP, wo, wi)[:, 3]
-    assert np.allclose(with_value, densities(coat, UP, wo, wi), rtol=1e-5)
-    assert (with_value > 0).any() == (theta < 90)
+    wo, grey = direction(theta), colour(0.5)
+    for coat in (gloss(0.04, exponent), None):
+        expected = values_and_densities(coat, grey, UP, wo, wi)
+        found = weights_and_densities(coat, grey, UP, wo, wi)
+        assert (expected[:, 3] > 0).any() == (theta < 90)
+        # Without a coat a direction below is never drawn for a wo above, and weights ask for wi
+        drawn = expected[:, 3] > 0
+        np.testing.assert_allclose(found[drawn, 3], expected[drawn, 3], rtol=1e-5)
+        np.testing.assert_allclose(
+            found[drawn, :3] * found[drawn, 3:], expected[drawn, :3], rtol=1e-5, atol=1e-12
+        )
+        assert coat is None or not found[~drawn].any()
 
 
 @pytest.mark.parametrize(

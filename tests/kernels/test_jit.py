@@ -17,6 +17,7 @@ import vtkmcvr.kernels
 from vtkmcvr.kernels import jit, path
 from vtkmcvr.kernels.cpu import render_tile
 from vtkmcvr.lights import ConstantEnvironment, EnvironmentMap, PointLight, RectangleLight
+from vtkmcvr.packed import Gloss
 from vtkmcvr.scene import Surface
 
 TESTS = Path(__file__).parents[1]
@@ -119,11 +120,12 @@ def test_kernel_outside_the_package_is_rebuilt_after_an_edit(tmp_path):
 def test_no_kernel_uses_doubles_by_accident():
     # A stray Python float or int64 would widen float32 arithmetic: colours and distances stay
     # single
-    from vtkmcvr.kernels.brdf import brdf_pdf
+    from vtkmcvr.kernels.brdf import blinn
     from vtkmcvr.kernels.phase import phase_value
 
     v = (np.float32(0), np.float32(0), np.float32(1))
-    for kernel, args in ((brdf_pdf, (None, v, v, v)), (phase_value, (None, v, v))):
+    gloss = Gloss(v, np.float32(10), np.bool_(False))
+    for kernel, args in ((blinn, (gloss, v, v)), (phase_value, (None, v, v))):
         assert isinstance(compiled(kernel)(*args), float)
         assert all(str(o.signature.return_type) == "float32" for o in kernel.overloads.values())
 

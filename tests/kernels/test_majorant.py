@@ -7,11 +7,13 @@ from scipy.ndimage import distance_transform_cdt
 
 import vtkmcvr.voxels
 from vtkmcvr.curves import Curve
+from vtkmcvr.kernels import stages
 from vtkmcvr.kernels.cpu import render_tile
 from vtkmcvr.kernels.grid import trilinear
 from vtkmcvr.kernels.jit import entry_point
+from vtkmcvr.kernels.launch import Launched
 from vtkmcvr.kernels.majorant import mark_empty_cubes, range_maxima
-from vtkmcvr.kernels.stages import render_in_step
+from vtkmcvr.kernels.packets import walk_queue
 from vtkmcvr.kernels.transfer import extinction
 from vtkmcvr.lights import ConstantEnvironment
 from vtkmcvr.plan import plan
@@ -186,11 +188,17 @@ def test_edit_of_the_transfer_function_reads_no_voxel(monkeypatch):
 
 
 def test_quantities_compile_nothing():
+    kernels = [
+        render_tile,
+        walk_queue,
+        *(x for x in vars(stages).values() if isinstance(x, Launched)),
+    ]
+    assert len(kernels) == 9
     lit = {"lights": (ConstantEnvironment(1.0),)}
 
     def signatures(*args, **options):
         render(scene(*args, **{**lit, **options}), samples=1)
-        return len(render_tile.signatures) + len(render_in_step.signatures)
+        return sum(len(kernel.signatures) for kernel in kernels)
 
     before = signatures()
     camera = Camera((3, -9, 2), (0.1, 0, 0), view_angle=20)

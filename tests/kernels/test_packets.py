@@ -1,5 +1,7 @@
 """Many rays and paths at once: what one at a time gives, up to roundings."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numba import config
@@ -12,6 +14,7 @@ from vtkmcvr.kernels.jit import entry_point
 from vtkmcvr.kernels.rng import start, stratified_exponential
 from vtkmcvr.kernels.tracking import walk
 from vtkmcvr.lights import ConstantEnvironment
+from vtkmcvr.packed import RatioTracking
 from vtkmcvr.plan import plan
 from vtkmcvr.rendering import empty_film
 from vtkmcvr.scene import Surface, TransferFunction
@@ -20,10 +23,19 @@ pytestmark = pytest.mark.skipif(
     config.DISABLE_JIT, reason="lanes exist in compiled code only: without it, paths go one by one"
 )
 if not config.DISABLE_JIT:
-    from vtkmcvr.kernels.packets import BY_DELTA, transmittance_found, walk_all, walk_shadows
-    from vtkmcvr.kernels.pool import enqueue, new_pool, new_queue
+    from vtkmcvr.kernels.packets import walk_queue
+    from vtkmcvr.kernels.pool import (
+        DISTANCE,
+        FOUND_SCALAR,
+        FOUND_SIGMA,
+        THROUGH,
+        enqueue,
+        new_pool,
+        new_queue,
+    )
 
 N = 3000
+RATIO = RatioTracking(np.float32(0.25))
 
 
 @entry_point
@@ -36,23 +48,25 @@ def one_by_one(medium, transfer, ratio, rays, out):
 
 
 @entry_point
+def fill(rays, queue):
+    for i in range(len(rays)):
+        o, d = (rays[i, 0], rays[i, 1], rays[i, 2]), (rays[i, 3], rays[i, 4], rays[i, 5])
+        rng, tau = stratified_exponential(start(5, i, 0))
+        enqueue(queue, i, o, d, rays[i, 6], tau, rng.counter)
+    queue.size[0] = len(rays)
+
+
 def at_once(medium, transfer, ratio, rays, queue, pool, out):
-    n = len(rays)
-    for by_ratio in (False, True):
-        for i in range(n):
-            o, d = (rays[i, 0], rays[i, 1], rays[i, 2]), (rays[i, 3], rays[i, 4], rays[i, 5])
-            rng, tau = stratified_exponential(start(5, i, 0))
-            enqueue(queue, i, o, d, rays[i, 6], tau, rng.counter)
-        if by_ratio:
-            walk_shadows(ratio, medium, transfer, queue, n, pool)
-            for i in range(n):
-                out[i, 3] = transmittance_found(ratio, queue, i)
-        else:
-            walk_all(medium, transfer, BY_DELTA, np.float32(0), queue, n, pool)
-            for i in range(n):
-                out[i, 0], out[i, 1], out[i, 2] = (
-                    queue.found[i, 0], queue.found[i, 2], queue.found[i, 3]
-                )  # fmt: skip
+    found = queue.found[: len(rays)]
+    fill(rays, queue)
+    walk_queue(medium, transfer, np.bool_(False), np.float32(0), queue, pool)
+    out[:, :3] = found[:, [DISTANCE, FOUND_SCALAR, FOUND_SIGMA]]
+    # What delta tracking lets through
+    open_way = found[:, DISTANCE] < 0
+    np.testing.assert_array_equal(found[:, THROUGH], open_way)
+    fill(rays, queue)
+    walk_queue(medium, transfer, np.bool_(True), ratio.roulette, queue, pool)
+    out[:, 3] = found[:, THROUGH]
 
 
 def voxels(kind):
@@ -101,9 +115,9 @@ def test_rays_at_once_meet_what_they_meet_one_by_one(kind):
     packed = planned(kind).packed
     rays = rays_through(packed.medium.values)
     expected, found = np.zeros((2, N, 4), np.float32)
-    one_by_one(packed.medium, packed.transfer, packed.ratio, rays, expected)
+    one_by_one(packed.medium, packed.transfer, RATIO, rays, expected)
     at_once(
-        packed.medium, packed.transfer, packed.ratio, rays, new_queue(N + 16), new_pool(), found
+        packed.medium, packed.transfer, RATIO, rays, new_queue(N + 16), new_pool(), found
     )
     assert 0.2 < (expected[:, 0] >= 0).mean() < 0.95
     assert 0.05 < expected[:, 3].mean() < 0.9
@@ -123,11 +137,11 @@ def test_a_ray_does_not_depend_on_the_others():
     rays = rays_through(packed.medium.values)
     together, alone = np.zeros((2, N, 4), np.float32)
     queue, pool = new_queue(N + 16), new_pool()
-    at_once(packed.medium, packed.transfer, packed.ratio, rays, queue, pool, together)
+    at_once(packed.medium, packed.transfer, RATIO, rays, queue, pool, together)
     some = slice(40, 43)
     # The numbers of a ray are those of its place
     first = np.zeros((43, 4), np.float32)
-    at_once(packed.medium, packed.transfer, packed.ratio, rays[:43], queue, pool, first)
+    at_once(packed.medium, packed.transfer, RATIO, rays[:43], queue, pool, first)
     alone[some] = first[some]
     np.testing.assert_array_equal(alone[some], together[some])
 
@@ -146,10 +160,19 @@ def in_step_and_one_by_one(some, samples=8):
     return films
 
 
-def test_paths_in_step_make_the_picture_of_paths_one_by_one():
-    step, single = in_step_and_one_by_one(
-        everything(ConstantEnvironment(1.0), surface=Surface(gradient_factor=1.0))
-    )
+@pytest.mark.parametrize(
+    "how",
+    [
+        {},
+        {"scattering": "multiple"},
+        {"scattering": "multiple", "max_scatterings": 3},
+        {"scattering": "multiple", "max_scatterings": 1},
+    ],
+    ids=["single", "multiple", "three", "one of many"],
+)
+def test_paths_in_step_make_the_picture_of_paths_one_by_one(how):
+    some = everything(ConstantEnvironment(1.0), surface=Surface(gradient_factor=1.0))
+    step, single = in_step_and_one_by_one(replace(some, **how))
     np.testing.assert_array_equal(step.count, single.count)
     np.testing.assert_array_equal(step.hits, single.hits)
     np.testing.assert_allclose(step.depth, single.depth, rtol=1e-5)
@@ -161,8 +184,9 @@ def test_paths_in_step_make_the_picture_of_paths_one_by_one():
     assert np.sqrt(((step.mean - single.mean) ** 2).sum()) < 0.1 * error
 
 
-def test_more_paths_than_go_in_step_at_once_and_an_interruption_change_no_bit():
-    some = everything(ConstantEnvironment(1.0), vol=noise(), size=(40, 30))
+@pytest.mark.parametrize("scattering", ["single", "multiple"])
+def test_more_paths_than_go_in_step_at_once_and_an_interruption_change_no_bit(scattering):
+    some = everything(ConstantEnvironment(1.0), vol=noise(), size=(40, 30), scattering=scattering)
     whole = render(some, samples=6).film
     halfway = render(some, samples=2)
     np.testing.assert_array_equal(whole.mean, halfway.refine(6).film.mean)

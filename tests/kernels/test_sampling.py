@@ -13,7 +13,7 @@ from scenes import scene
 from scipy import stats
 
 from vtkmcvr import packed
-from vtkmcvr.kernels.brdf import brdf_pdf, sample_brdf
+from vtkmcvr.kernels.brdf import brdf_value_and_pdf, sample_brdf
 from vtkmcvr.kernels.environment import environment_pdf, environment_radiance, sample_environment
 from vtkmcvr.kernels.jit import entry_point
 from vtkmcvr.kernels.phase import phase_value, sample_phase
@@ -92,7 +92,7 @@ def brdf_density(gloss, normal, wo, directions):
     out = np.empty(len(directions), f32)
     for i in range(len(directions)):
         d = directions[i]
-        out[i] = brdf_pdf(gloss, normal, wo, (d[0], d[1], d[2]))
+        _, out[i] = brdf_value_and_pdf(gloss, normal, normal, wo, (d[0], d[1], d[2]))
     return out
 
 

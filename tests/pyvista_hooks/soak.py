@@ -120,7 +120,9 @@ def growth(memory):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--minutes", type=float, default=30)
-    parser.add_argument("--edits", type=int, default=2 * WARM_UP, help="go on to this many at least")
+    parser.add_argument(
+        "--edits", type=int, default=2 * WARM_UP, help="at least"
+    )
     parser.add_argument("--json")
     options = parser.parse_args()
     result = soak(60 * options.minutes, options.edits)

@@ -203,7 +203,7 @@ def coat(gloss, n, h, cos_h):
 def brdf_value_and_pdf(gloss, diffuse, n, wo, wi):
     """f_r(wo, wi) times the cosine of wi, RGB per steradian; and the density of `sample_brdf`.
 
-    Both are zero below the surface.
+    That is the mean of both lobes' (HC-31). Both are zero below the surface.
     """
     cos_o = dot(n, wo)
     cos_i = dot(n, wi)
@@ -224,36 +224,22 @@ def brdf_value_and_pdf(gloss, diffuse, n, wo, wi):
 
 
 @device
-def brdf_pdf(gloss, n, wo, wi):
-    """Density of `sample_brdf` per steradian: the mean of both lobes' (HC-31)."""
-    cos_i = dot(n, wi)
-    if cos_i <= ZERO or dot(n, wo) <= ZERO:
-        return ZERO
+def brdf_weight_and_pdf(gloss, diffuse, n, wo, wi):
+    """Value over density for a direction drawn by `sample_brdf`, and the density."""
     if gloss is None:
-        return cos_i * INVERSE_PI
-    if bare(gloss):
-        return cos_i * INVERSE_PI
-    h, cos_h = half_vector(wo, wi)
-    _, pdf_lobe = coat(gloss, n, h, cos_h)
-    return HALF * (cos_i * INVERSE_PI + pdf_lobe)
-
-
-@device
-def brdf_weight(gloss, diffuse, n, wo, wi):
-    """Value over density for a direction drawn by `sample_brdf`."""
-    if gloss is None:
-        if dot(n, wi) <= ZERO:
-            return BLACK
-        return diffuse
+        cos_i = dot(n, wi)
+        if cos_i <= ZERO:
+            return BLACK, ZERO
+        return diffuse, INVERSE_PI * cos_i
     value, pdf = brdf_value_and_pdf(gloss, diffuse, n, wo, wi)
     if not pdf > ZERO:
-        return BLACK
-    return scale(value, ONE / pdf)
+        return BLACK, ZERO
+    return scale(value, ONE / pdf), pdf
 
 
 @device
 def sample_brdf(gloss, n, wo, rng):
-    """Direction with density `brdf_pdf`; below the surface both value and density are 0.
+    """Direction with the density of `brdf_value_and_pdf`; below the surface both are 0.
 
     Returns (wi, rng).
     """

@@ -4,7 +4,7 @@ from numba.core import compiler
 from numba.core.codegen import CodeLibrary
 from numba.core.typed_passes import NativeLowering
 
-from .linked import DeviceLibrary, KernelLibrary, ObjectLibrary
+from .linked import DeviceLibrary, KernelLibrary
 from .lowering import LaunchedLowering, ValueLowering
 
 
@@ -45,9 +45,3 @@ class LaunchedCompiler(KernelCompiler):
     """`KernelCompiler`, of kernels that take their arguments as a block of words."""
 
     lowering = LaunchedLowering
-
-
-class ObjectCompiler(_Compiler):
-    """Numba's compiler, making machine code that kernels share."""
-
-    library = ObjectLibrary

@@ -8,7 +8,7 @@ from .environment import ambient_radiance, environment_pdf, environment_radiance
 from .jit import device, glue
 from .light_tree import light_chance
 from .lights import area_light_radiance, blocked, light_pdf, nearest_light, sample_light
-from .scatter import sample_scatter, scatter_pdf, scatter_value_and_pdf, scatter_weight
+from .scatter import sample_scatter, scatter_value_and_pdf, scatter_weight_and_pdf
 from .vec import BLACK, add, largest, mul, scale
 from .visibility import visibility
 
@@ -77,25 +77,25 @@ def light_by_light(choice, scene, v, rng):
 
 
 @glue
-def light_met(scene, choice, v, wi):
-    """Weighted radiance that a ray along wi, drawn at v, would meet; and the distance."""
+def light_met(scene, choice, v, wi, pdf):
+    """Weighted radiance that a ray along wi, drawn at v with density pdf, meets; the distance."""
     tree, lights = scene.light_tree, scene.area_lights
     index, distance = nearest_light(tree, lights, v.x, wi, False)
     if index >= 0:
         L = area_light_radiance(lights, index, v.x, wi, distance)
         other = light_pdf(tree, lights, index, v.x, v.on_surface, v.normal, wi, distance)
-        return weighted(choice, L, v, wi, other), distance
-    L = map_met(scene.environment, choice, tree, v, wi)
+        return weighted(choice, L, pdf, other), distance
+    L = map_met(scene.environment, choice, tree, v, wi, pdf)
     return add(ambient_radiance(scene.ambient, wi), L), distance
 
 
 @device
-def map_met(environment, choice, tree, v, wi):
-    """Weighted radiance of the environment map along wi, drawn at v."""
+def map_met(environment, choice, tree, v, wi, pdf):
+    """Weighted radiance of the environment map along wi, drawn at v with density pdf."""
     if environment is None:
         return BLACK
     L = environment_radiance(environment, wi)
-    return weighted(choice, L, v, wi, map_pdf(choice, tree, environment, v, wi))
+    return weighted(choice, L, pdf, map_pdf(choice, tree, environment, v, wi))
 
 
 @device
@@ -108,15 +108,18 @@ def map_pdf(choice, tree, environment, v, wi):
 
 
 @device
-def weighted(choice, L, v, wi, other):
-    """L with its MIS weight: 1 without light sampling, 0 without scatter sampling."""
+def weighted(choice, L, pdf, other):
+    """L with its MIS weight, drawn with density pdf where lights draw with density `other`.
+
+    1 without light sampling, 0 without scatter sampling.
+    """
     if choice is None:
         return L
     if not choice.by_scatter:
         return BLACK
     if not choice.by_light:
         return L
-    return scale(L, power_heuristic(scatter_pdf(v, wi), other))
+    return scale(L, power_heuristic(pdf, other))
 
 
 @device
@@ -142,10 +145,10 @@ def draw_by_scatter(ambient, environment, area_lights, scene, v, rng):
     if not needs_scatter(ambient, scene.choice):
         return NOTHING_DRAWN, rng
     wi, rng = sample_scatter(v, rng)
-    f = scatter_weight(v, wi)
+    f, pdf = scatter_weight_and_pdf(scene.choice, v, wi)
     if largest(f) <= ZERO:
         return NOTHING_DRAWN, rng
-    L, distance = light_met(scene, scene.choice, v, wi)
+    L, distance = light_met(scene, scene.choice, v, wi, pdf)
     return Drawn(mul(f, L), wi, distance), rng
 
 

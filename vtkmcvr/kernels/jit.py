@@ -17,9 +17,9 @@ from numba import njit
 from numba.core.caching import FunctionCache, IndexDataCacheFile
 from numba.core.registry import CPUDispatcher
 
-from .compilers import DeviceCompiler, KernelCompiler, LaunchedCompiler, ObjectCompiler
+from .compilers import DeviceCompiler, KernelCompiler, LaunchedCompiler
 from .launch import Launched
-from .linked_cache import DeviceCacheImpl, KernelCacheImpl, ObjectCacheImpl
+from .linked_cache import DeviceCacheImpl
 
 # No "nnan" and no "ninf": kernels use NaN voxels and infinite distances on purpose.
 FAST_MATH = {"nsz", "contract", "arcp", "afn", "reassoc"}
@@ -81,14 +81,6 @@ class _StampedDeviceCache(_StampedCache):
     _impl_class = DeviceCacheImpl
 
 
-class _StampedObjectCache(_StampedCache):
-    _impl_class = ObjectCacheImpl
-
-
-class _StampedKernelCache(_StampedCache):
-    _impl_class = KernelCacheImpl
-
-
 class _KernelOnly(CPUDispatcher):
     """A function that has no machine code of its own."""
 
@@ -106,10 +98,10 @@ def _cached(dispatcher, cache=_StampedCache):
     return dispatcher
 
 
-def _kernel_only(dispatcher, cache=_StampedDeviceCache):
+def _kernel_only(dispatcher):
     if hasattr(dispatcher, "py_func"):
         dispatcher.__class__ = _KernelOnly
-    return _cached(dispatcher, cache)
+    return _cached(dispatcher, _StampedDeviceCache)
 
 
 # Kernels allocate nothing, so Numba's reference counting is left out of them: it would count every
@@ -138,16 +130,6 @@ def device(function: Callable):
     return _kernel_only(njit(**DEVICE)(function))
 
 
-def outlined(function: Callable):
-    """`device` for a large function that kernels call rarely, with machine code that they share.
-
-    A call of it costs as much as its arguments take to be written; a kernel that only differs in
-    what surrounds it compiles the faster.
-    """
-    options = {**DEVICE, "forceinline": False, "pipeline_class": ObjectCompiler}
-    return _kernel_only(njit(**options)(function), _StampedObjectCache)
-
-
 def exact(function: Callable):
     """Compile a kernel-only function whose roundings must be those that are written down."""
     return _kernel_only(njit(**{**DEVICE, "fastmath": False})(function))
@@ -166,7 +148,7 @@ def glue(function: Callable):
 def kernel(function: Callable):
     """Compile a function that Python calls, which runs without the GIL and allocates nothing."""
     compiled = njit(nogil=True, pipeline_class=KernelCompiler, **KERNEL)(function)
-    return _cached(compiled, _StampedKernelCache)
+    return _cached(compiled)
 
 
 def launched(function: Callable):
@@ -174,7 +156,7 @@ def launched(function: Callable):
     dispatcher = njit(nogil=True, pipeline_class=LaunchedCompiler, **KERNEL)(function)
     if hasattr(dispatcher, "py_func"):
         dispatcher.__class__ = Launched
-    return _cached(dispatcher, _StampedKernelCache)
+    return _cached(dispatcher)
 
 
 def entry_point(function: Callable):

@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 
 # What an array begins with: its memory's owner and parent, which kernels know nothing of
 UNOWNED = (0, 0)
+# Type and words of values by their identity; with the values, so that none takes another's identity
+Known = dict[int, tuple[types.Type, NDArray[np.int64], Any]]
 way_in = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p)
 
 
@@ -42,6 +44,22 @@ def _words(value: Any, kind: types.Type) -> Iterator[int]:
         raise TypeError(f"kernels take arrays, tuples, numbers and None, not {kind}")
 
 
+def taken_apart(value: Any, known: Known) -> tuple[types.Type, NDArray[np.int64]]:
+    """Type and words of an argument, from those parts that are `known` and others, which will be.
+
+    Numba takes its time to tell the type of a tuple of hundreds of values.
+    """
+    if id(value) not in known:
+        if hasattr(value, "_fields"):
+            parts = [taken_apart(part, known) for part in value]
+            kind = types.BaseTuple.from_types([kind for kind, _ in parts], type(value))
+            words = np.concatenate([words for _, words in parts])
+        else:
+            kind, words = typeof(value), words_of(value)
+        known[id(value)] = kind, words, value
+    return known[id(value)][:2]
+
+
 class Launched(CPUDispatcher):
     """A kernel that takes its arguments as words."""
 
@@ -51,8 +69,12 @@ class Launched(CPUDispatcher):
 
     def address(self, *arguments: Any) -> int:
         """Machine code for arguments of these types, compiled where there is none yet."""
-        kinds = tuple(map(typeof, arguments))
-        self.compile(kinds)
+        return self.address_for(tuple(map(typeof, arguments)))
+
+    def address_for(self, kinds: tuple[types.Type, ...]) -> int:
+        """Machine code for arguments of some types, compiled where there is none yet."""
+        if kinds not in self.overloads:
+            self.compile(kinds)
         compiled = self.overloads[kinds]
         return compiled.library.get_pointer_to_function(compiled.fndesc.llvm_cpython_wrapper_name)
 

@@ -3,8 +3,7 @@
 Numba optimises every function that it compiles, together with all that it calls, and makes machine
 code of it, which nobody runs if only kernels call it. Here such a function ends as LLVM code. Each
 kernel gathers the functions that it calls, those that they call and so on, and optimises the whole
-once, which gives code as fast in a sixth less time. A large function that kernels call rarely may
-have machine code of its own, which all kernels share.
+once, which gives code as fast in a sixth less time.
 
 This leans on parts of Numba that it does not document: `CodeLibrary`, where a compiled function
 ends.
@@ -13,7 +12,6 @@ ends.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import ClassVar
 
 from llvmlite import binding as llvm
 from numba.core.codegen import CodeLibrary, JITCodeLibrary
@@ -96,12 +94,7 @@ class _WithoutEnvironment:
 
 
 class KernelLibrary(_Library):
-    """Machine code of a kernel, made in one go of its own LLVM code and that of all it calls.
-
-    `objects` are what it calls that has machine code of its own.
-    """
-
-    objects: list[ObjectLibrary]
+    """Machine code of a kernel, made in one go of its own LLVM code and that of all it calls."""
 
     def finalize(self):
         """Gather all that the kernel calls, optimise and make machine code."""
@@ -109,8 +102,7 @@ class KernelLibrary(_Library):
         self._linking_libraries = []
         for library in parts:
             self._reload_init.update(library._reload_init)
-        self.objects = [part for part in parts if isinstance(part, ObjectLibrary)]
-        _link(self._final_module, [part for part in parts if part not in self.objects])
+        _link(self._final_module, parts)
         # Not "internal", which keeps the name: LLVM's loader would bind other code's function of
         # that name to this one, whose arguments the optimiser may have changed
         _set_linkage(self._final_module, llvm.Linkage.weak_odr, "private")
@@ -120,48 +112,6 @@ class KernelLibrary(_Library):
         """Optimise in one round: Numba's cheap one before it serves reference counts."""
         passes, builder = self._codegen._module_pass_manager()
         passes.run(self._final_module, builder)
-
-
-class ObjectLibrary(KernelLibrary):
-    """Machine code of a kernel-only function, which LLVM's loader finds for kernels that call it.
-
-    Its `symbol`, which names all its types, is the same wherever it is compiled.
-    """
-
-    symbol: str
-    # All there are, because code that calls them stays
-    loaded: ClassVar[dict[str, ObjectLibrary]] = {}
-
-    @classmethod
-    def from_object(cls, codegen, symbol: str, machine_code: bytes, bitcode: bytes):
-        """Return the library that a cache holds, or that was loaded before."""
-        if symbol not in cls.loaded:
-            self = cls(codegen, symbol)
-            self.enable_object_caching()
-            self._set_compiled_object(machine_code)
-            self._shared_module = llvm.parse_bitcode(bitcode)
-            self._finalize_final_module()
-            self._keep(symbol, machine_code)
-        return cls.loaded[symbol]
-
-    def finalize(self):
-        """Gather all that the function calls, optimise and make machine code."""
-        self.symbol = next(f.name for f in self._final_module.functions if not f.is_declaration)
-        super().finalize()
-        self._keep(self.symbol, self._get_compiled_object())
-
-    def _keep(self, symbol: str, machine_code: bytes):
-        self.symbol, self._machine_code = symbol, machine_code
-        self.loaded[symbol] = self
-
-    def as_kept(self) -> tuple[str, bytes, bytes]:
-        """Return what `from_object` takes."""
-        return self.symbol, self._machine_code, self._get_module_for_linking().as_bitcode()
-
-    @property
-    def codegen(self):
-        """Take the address of the function's environment, which no code here asks for."""
-        return _WithoutEnvironment
 
 
 def _with_callees(libraries: Iterable[CodeLibrary]) -> list[CodeLibrary]:

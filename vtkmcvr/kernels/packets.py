@@ -14,7 +14,7 @@ import numpy as np
 
 from .elementary import atanh_series, logarithm
 from .grid import trilinear
-from .jit import device, outlined
+from .jit import device, launched
 from .labels import label_row
 from .lanes import WIDTH, mask, opposite, select, to_float
 from .lanes_memory import gather, load, store
@@ -27,12 +27,10 @@ from .pool import (
     CX,
     CY,
     CZ,
-    DISTANCE,
     DX,
     DY,
     DZ,
     END,
-    FOUND_SIGMA,
     LEFT,
     MAJORANT,
     NONE,
@@ -46,7 +44,6 @@ from .pool import (
     SIGMA,
     STATUS,
     TAU,
-    THROUGH,
     TX,
     TY,
     TZ,
@@ -66,8 +63,6 @@ from .vec import at
 # Steps of all rays before the look-ups of those that have come to a tentative collision
 STEPS = 2
 FORWARD, BACK = np.int32(1), np.int32(-1)
-# Not Python's own, which Numba would compile a function for, each
-BY_DELTA, BY_RATIO = np.bool_(False), np.bool_(True)
 
 unit = over_lanes(unit)
 uniform = over_lanes(uniform)
@@ -181,12 +176,18 @@ def look_up(medium, transfer, pool, count):
 
 @device
 def collide(pool, i, tentative):
-    """Delta tracking: accept or reject tentative collisions. Returns (whether ended, rng)."""
+    """Delta tracking: accept or reject tentative collisions. Returns (whether ended, rng).
+
+    A ray that ends lets nothing through, or marks a violated majorant.
+    """
     f = pool.floats
     majorant, sigma_t = load(f, MAJORANT * POOL + i), load(f, SIGMA * POOL + i)
     rng, u = uniform(Stream(load(pool.counters, i), None))
-    store(f, SIGMA * POOL + i, select(sigma_t > majorant, -VIOLATED, sigma_t))
-    return tentative & (u * majorant < sigma_t), rng
+    violated = sigma_t > majorant
+    store(f, SIGMA * POOL + i, select(violated, -VIOLATED, sigma_t))
+    ended = tentative & (u * majorant < sigma_t)
+    store(f, LEFT * POOL + i, select(ended, select(violated, VIOLATED, ZERO), ONE))
+    return ended, rng
 
 
 @device
@@ -231,13 +232,13 @@ def decide(by_ratio, roulette, pool, count):
         pool.ended[i // WIDTH, 1] = escaped
 
 
-@outlined
-def walk_all(medium, transfer, by_ratio, roulette, queue, n, pool):
-    """`tracking.walk` of the first n rays of a queue; `found` holds what they meet.
+@launched
+def walk_queue(medium, transfer, by_ratio, roulette, queue, pool):
+    """`tracking.walk` of all rays of a queue; `found` holds what they meet.
 
-    One function for delta tracking and, with `by_ratio`, ratio tracking, which takes half as long
-    to compile as two.
+    A kernel by itself, for delta tracking and, with `by_ratio`, for ratio tracking.
     """
+    n = queue.size[0]
     set_out(medium, queue, n)
     # Lanes without a ray compute too: the cells of an earlier walk may lie outside of this grid
     for row in range(3):
@@ -256,22 +257,3 @@ def walk_all(medium, transfer, by_ratio, roulette, queue, n, pool):
         look_up(medium, transfer, pool, count)
         decide(by_ratio, roulette, pool, count)
         count, following = replace_ended(queue, n, pool, count, following)
-
-
-@device
-def walk_shadows(ratio, medium, transfer, queue, n, pool):
-    """Walk toward lights: by ratio tracking, or without `ratio` by delta tracking."""
-    if ratio is None:
-        walk_all(medium, transfer, BY_DELTA, ZERO, queue, n, pool)
-    else:
-        walk_all(medium, transfer, BY_RATIO, ratio.roulette, queue, n, pool)
-
-
-@device
-def transmittance_found(ratio, queue, k):
-    """Transmittance of ray number k after `walk_shadows`."""
-    if ratio is not None:
-        return queue.found[k, THROUGH]
-    if queue.found[k, DISTANCE] < ZERO:
-        return ONE
-    return VIOLATED if queue.found[k, FOUND_SIGMA] == -VIOLATED else ZERO

@@ -13,7 +13,7 @@ from .event import nearest_approach, next_event
 from .jit import device, glue
 from .lights import area_light_radiance, light_seen
 from .rng import uniform
-from .scatter import sample_scatter, scatter_weight
+from .scatter import sample_scatter, scatter_weight_and_pdf
 from .vec import BLACK, add, largest, mul, narrow, scale, transform, wide
 
 f32 = np.float32
@@ -53,11 +53,12 @@ def scattered_light(scattering, scene, v, rng):
         L = add(L, mul(throughput, add(v.emitted, direct)))
         # Next direction
         wi, rng = sample_scatter(v, rng)
-        throughput, rng = roulette(mul(throughput, scatter_weight(v, wi)), scattering.roulette, rng)
+        weight, pdf = scatter_weight_and_pdf(scene.choice, v, wi)
+        throughput, rng = roulette(mul(throughput, weight), scattering.roulette, rng)
         if largest(throughput) <= ZERO:
             break
         # A light, or the next collision or receiver
-        met, distance = light_met(scene, scene.choice, v, wi)
+        met, distance = light_met(scene, scene.choice, v, wi, pdf)
         d = transform(scene.medium.index_from_world, wi)
         t, v, rng = next_event(scene, wide(v.x), wi, wide(v.p), wide(d), 0.0, distance, rng)
         if t < 0.0:

@@ -51,6 +51,7 @@ class Queue(NamedTuple):
     cells: NDArray[np.int32]  # (3, n)
     counter: NDArray[np.uint64]  # (n,) of random numbers, before and after
     found: NDArray[np.float32]  # (n, 4) columns below
+    size: NDArray[np.int64]  # (1,) rays in it
 
 
 def new_pool():
@@ -66,7 +67,7 @@ def new_queue(n):
     """Queue with room for n rays, a multiple of `WIDTH`."""
     return Queue(
         np.zeros((STATE, n), np.float32), np.zeros((3, n), np.int32), np.zeros(n, np.uint64),
-        np.zeros((n, 4), np.float32),
+        np.zeros((n, 4), np.float32), np.zeros(1, np.int64),
     )  # fmt: skip
 
 

@@ -64,12 +64,12 @@ def accumulate_aov(plane, n, row, column, value):
 
 
 @glue
-def camera_ray(film, scene, row, column, sample, seed):
+def camera_ray(columns, scene, row, column, sample, seed):
     """Ray of a sample of a pixel. Returns (origin float64, unit direction, stop, rng).
 
     `stop` is where it meets the backdrop, and which point of it.
     """
-    pixel = row * film.count.shape[1] + column
+    pixel = row * columns + column
     rng = start_path(scene.sobol, seed, pixel, sample)
     x, y, rng = film_position(scene.camera, column, row, rng)
     origin, d, rng = ray_through(scene.camera, scene.lens, column, x, y, rng)
@@ -93,6 +93,6 @@ def add_sample(film, scene, row, column, sample, d, stop, L, hit, depth, albedo,
 @glue
 def take_sample(film, scene, row, column, sample, seed):
     """Add sample number `sample`, from 0, of a pixel to its film, which has those before it."""
-    origin, d, stop, rng = camera_ray(film, scene, row, column, sample, seed)
+    origin, d, stop, rng = camera_ray(film.count.shape[1], scene, row, column, sample, seed)
     L, hit, depth, albedo, normal = radiance(scene, origin, d, stop[0], rng)
     add_sample(film, scene, row, column, sample, d, stop, L, hit, depth, albedo, normal)

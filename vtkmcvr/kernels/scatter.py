@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..packed import Gloss, Phase
-from .brdf import brdf_pdf, brdf_value_and_pdf, brdf_weight, sample_brdf, surface_event
+from .brdf import brdf_value_and_pdf, brdf_weight_and_pdf, sample_brdf, surface_event
 from .jit import device, glue
 from .phase import phase_value, sample_phase
 from .receivers import receiver_colour, receiver_point
@@ -14,7 +14,7 @@ from .transfer import colour, emitted, number_channel, of_label, rgb_channel
 from .vec import BLACK, add, narrow, scale, transform, wide
 
 f32 = np.float32
-INFINITE = f32(math.inf)
+ZERO, INFINITE = f32(0.0), f32(math.inf)
 SPOILT = (-INFINITE, -INFINITE, -INFINITE)
 
 
@@ -107,14 +107,6 @@ def scatter_value_and_pdf(v, wi):
 
 
 @glue
-def scatter_pdf(v, wi):
-    """Density of `sample_scatter`."""
-    if v.on_surface:
-        return brdf_pdf(v.gloss, v.normal, v.wo, wi)
-    return phase_value(v.phase, v.wo, wi)
-
-
-@glue
 def sample_scatter(v, rng):
     """Direction drawn by the scattering function. Returns (wi, rng)."""
     if v.on_surface:
@@ -122,12 +114,20 @@ def sample_scatter(v, rng):
     return sample_phase(v.phase, v.wo, rng)
 
 
+@device
+def phase_pdf(choice, phase, wo, wi):
+    """Density of `sample_phase`; 0, and not evaluated, where no light sampling asks for it."""
+    if choice is None:
+        return ZERO
+    return phase_value(phase, wo, wi)
+
+
 @glue
-def scatter_weight(v, wi):
-    """Scattering function over density of a direction that `sample_scatter` drew.
+def scatter_weight_and_pdf(choice, v, wi):
+    """Scattering function over density of a direction that `sample_scatter` drew, and the density.
 
     A phase function is sampled exactly: the albedo, without rounding.
     """
     if v.on_surface:
-        return brdf_weight(v.gloss, v.albedo, v.normal, v.wo, wi)
-    return v.albedo
+        return brdf_weight_and_pdf(v.gloss, v.albedo, v.normal, v.wo, wi)
+    return v.albedo, phase_pdf(choice, v.phase, v.wo, wi)

@@ -1,232 +1,278 @@
-"""CPU launcher of single scattering: some hundred paths in step, stage by stage.
+"""Paths in step on the CPU, stage by stage: those of single and of multiple scattering.
 
 The same functions as in `path.radiance`, path by path, but for the walks through the medium, which
-`packets` makes for all paths at once. What a path needs later is kept from stage to stage.
+`packets` makes for all paths at once. Each stage is a kernel, compiled and cached by itself, and
+takes the part of the scene that it needs: a new effect compiles the stages that know of it.
 """
 
-from typing import NamedTuple
-
 import numpy as np
-from numpy.typing import NDArray
 
 from .brdf import first_normal
-from .direct import draw_by_light, draw_by_scatter
-from .event import NOWHERE, event_at, nearest_approach, receiver_ahead, way_through
+from .direct import draw_by_light, draw_by_scatter, light_met
+from .event import event_at, nearest_approach, receiver_ahead, way_through
 from .jit import device, glue, launched
-from .kept import PLACE, keep, kept
+from .kept import keep, kept
 from .lights import light_seen
-from .packets import BY_DELTA, transmittance_found, walk_all, walk_shadows
-from .path import in_index, missed
-from .pool import (
-    DISTANCE,
-    FOUND_SCALAR,
-    FOUND_SIGMA,
-    Pool,
-    Queue,
-    enqueue,
-    new_pool,
-    new_queue,
-    ray_of,
+from .path import WHITE, in_index, missed, roulette
+from .room import (
+    COLUMN,
+    COLUMN_0,
+    COLUMN_1,
+    ENDED,
+    EVENTS,
+    HIDDEN,
+    LIVE,
+    MISSED,
+    MOST,
+    NO_RAYS,
+    PATHS,
+    ROW,
+    ROW_1,
+    SAMPLE,
+    TAKEN,
+    add_light,
+    after_walk,
+    collision,
+    colour_of,
+    keep_random,
+    no_end,
+    no_ray,
+    no_shadow,
+    no_vertex,
+    nothing_seen,
+    passed,
+    random_of,
+    set_colour,
+    set_off,
 )  # fmt: skip
-from .rng import Stream, stratified_exponential
 from .sample import add_sample, camera_ray
-from .vec import BLACK, add, at, largest, narrow, scale, transform, wide
+from .scatter import sample_scatter, scatter_weight_and_pdf
+from .vec import BLACK, add, at, largest, mul, narrow, scale, transform, wide
 from .visibility import blocked, shaded_interval
 
-f32, f64, i32 = np.float32, np.float64, np.int32
-ZERO, ONE = f32(0.0), f32(1.0)
-# Not Python's own 0, for which Numba would compile each function that takes it once more
-NO_RAYS = np.int64(0)
-# Paths in step: as many as leave their state in the level 2 cache
-PATHS = 2048
-# Instead of a ray's number: nothing is in the way, nothing comes through
-CLEAR, HIDDEN = i32(-1), i32(-2)
+f32, f64, i32, i64 = np.float32, np.float64, np.int32, np.int64
+ZERO = f32(0.0)
+NO_PLACE = (0.0, 0.0, 0.0)
 
 
-class Room(NamedTuple):
-    """Room for paths in step."""
-
-    sample: NDArray[np.int64]  # (PATHS, 3) row, column, number of the sample
-    ray: NDArray[np.int32]  # (PATHS,) number in the queue, or CLEAR or HIDDEN
-    hit: NDArray[np.bool_]  # (PATHS,) whether the camera ray has met something
-    ahead: NDArray[np.uint8]  # (PATHS, PLACE) camera ray
-    lit: NDArray[np.uint8]  # vertex and light
-    seen: NDArray[np.uint8]  # what the camera sees
-    # A stage reads what the rays of the one before have met, and queues its own
-    first: Queue
-    second: Queue
-    pool: Pool
-
-
-def new_room():
-    """Room for a tile."""
-    return Room(
-        np.zeros((PATHS, 3), np.int64), np.zeros(PATHS, np.int32), np.zeros(PATHS, np.bool_),
-        *(np.empty((PATHS, PLACE), np.uint8) for _ in range(3)), new_queue(PATHS),
-        new_queue(PATHS), new_pool(),
-    )  # fmt: skip
+# Rays of the camera
 
 
 @device
-def set_off(room, queue, i, rays, o, d, length, rng):
-    """Queue the ray of path i, if it has any length. Returns (rays in the queue, rng)."""
-    room.ray[i] = CLEAR
-    if not length > ZERO:
-        return rays, rng
-    rng, tau = stratified_exponential(rng)
-    enqueue(queue, rays, o, d, length, tau, rng.counter)
-    room.ray[i] = rays
-    return rays + 1, rng
-
-
-@device
-def after_walk(room, queue, i, rng):
-    """Random numbers of path i after its walk."""
-    k = room.ray[i]
-    if k < 0:
-        return rng
-    return Stream(queue.counter[k], rng.net)
-
-
-@device
-def collision(room, queue, i, enter):
-    """First collision of path i: (t, index position, scalar, sigma_t); t < 0 without one."""
-    k = room.ray[i]
-    t, p, scalar, sigma_t = -1.0, NOWHERE, ZERO, ZERO
-    if k >= 0:
-        found = queue.found
-        walked = found[k, DISTANCE]
-        if walked >= ZERO:
-            o, d = ray_of(queue, k)
-            t, p = enter + f64(walked), at(o, d, walked)
-            scalar, sigma_t = found[k, FOUND_SCALAR], found[k, FOUND_SIGMA]
-    return t, p, scalar, sigma_t
-
-
-@device
-def passed(ratio, room, queue, i):
-    """Transmittance of the shadow ray of path i."""
-    k = room.ray[i]
-    if k < 0:
-        return ONE if k == CLEAR else ZERO
-    return transmittance_found(ratio, queue, k)
-
-
-@glue
-def toward_light(scene, room, queue, i, rays, v, drawn, rng):
-    """Queue the shadow ray of path i. Returns (rays in the queue, rng)."""
-    room.ray[i] = HIDDEN
-    if largest(drawn.f) > ZERO and not blocked(
-        scene.receivers, scene.mesh, scene.shadows, v.x, drawn.wi, drawn.distance
-    ):
-        o = wide(v.p)
-        d = wide(transform(scene.medium.index_from_world, drawn.wi))
-        enter, length = shaded_interval(scene.shadows, scene.medium, o, d, drawn.distance)
-        rays, rng = set_off(room, queue, i, rays, narrow(at(o, d, enter)), narrow(d), length, rng)
-    return rays, rng
-
-
-@device
-def choose(film, goal, rows, columns, cursor, room):
-    """Next samples to take, in the order of pixels. Returns (their number, cursor).
-
-    `cursor` is (row, column, sample) of the first one that may be due.
-    """
-    row, column, sample = cursor
-    n = 0
-    while n < PATHS and row < rows[1]:
+def choose(count, goal, room):
+    """Next samples to take, in the order of pixels. Returns their number."""
+    numbers = room.numbers
+    row, column, sample = numbers[ROW], numbers[COLUMN], numbers[SAMPLE]
+    n = NO_RAYS
+    while n < PATHS and row < numbers[ROW_1]:
+        sample = max(sample, count[row, column])
         if sample < goal[row, column]:
             room.sample[n, 0], room.sample[n, 1], room.sample[n, 2] = row, column, sample
             sample += 1
             n += 1
             continue
+        sample = i64(0)
         column += 1
-        if column >= columns[1]:
-            column = columns[0]
+        if column >= numbers[COLUMN_1]:
+            column = numbers[COLUMN_0]
             row += 1
-        if row < rows[1]:
-            sample = film.count[row, column]
-    return n, (row, column, sample)
+    numbers[ROW], numbers[COLUMN], numbers[SAMPLE] = row, column, sample
+    return n
+
+
+@glue
+def send(scene, room, i, rays, origin, d, o_index, d_index, shift, limit, rng):
+    """Queue the ray of path i to its next event before `limit`. Returns rays in the queue."""
+    receiver, limit, triangle = receiver_ahead(scene.receivers, scene.mesh, origin, d, shift, limit)
+    enter, length = way_through(scene.medium, o_index, d_index, limit)
+    rays, rng = set_off(
+        room, room.first, i, rays, narrow(at(o_index, d_index, enter)), narrow(d_index), length,
+        rng,
+    )  # fmt: skip
+    keep(room.under_way, i, (origin, d, receiver, limit, triangle, enter), no_ray())
+    keep_random(rng.net, room, i, rng)
+    return rays
 
 
 @launched
-def render_in_step(film, scene, row_0, row_1, column_0, column_1, goal, seed, room):
-    """`cpu.render_tile`, by stages; scattering is single and `more` and `marching` are None."""
-    if row_0 >= row_1 or column_0 >= column_1:
-        return
-    rows, columns = (row_0, row_1), (column_0, column_1)
-    cursor = (row_0, column_0, film.count[row_0, column_0])
-    while True:
-        n, cursor = choose(film, goal, rows, columns, cursor, room)
-        if n == 0:
-            return
-        # Camera rays
-        rays = NO_RAYS
-        for i in range(n):
-            row, column, sample = room.sample[i, 0], room.sample[i, 1], room.sample[i, 2]
-            origin, d, stop, rng = camera_ray(film, scene, row, column, sample, seed)
-            o_index, d_index = in_index(scene.camera, origin, d)
-            light, distance = light_seen(scene.light_tree, scene.area_lights, narrow(origin), d)
-            receiver, limit, triangle = receiver_ahead(
-                scene.receivers, scene.mesh, origin, d,
-                nearest_approach(scene.receivers, origin, d), f64(min(distance, stop[0])),
-            )  # fmt: skip
-            enter, length = way_through(scene.medium, o_index, d_index, limit)
-            rays, rng = set_off(
-                room, room.first, i, rays, narrow(at(o_index, d_index, enter)), narrow(d_index),
-                length, rng,
-            )  # fmt: skip
-            ahead = (origin, d, stop, light, distance, receiver, limit, triangle, enter, rng)
-            keep(room.ahead, i, ahead)
-        walk_all(scene.medium, scene.transfer, BY_DELTA, ZERO, room.first, rays, room.pool)
-        # What they meet, and light by light
-        rays = NO_RAYS
-        for i in range(n):
-            origin, d, stop, light, distance, receiver, limit, triangle, enter, rng = kept(
-                room.ahead, i, ahead
-            )
-            o_index, d_index = in_index(scene.camera, origin, d)
-            t, p, scalar, sigma_t = collision(room, room.first, i, enter)
-            rng = after_walk(room, room.first, i, rng)
-            t, v, rng = event_at(
-                scene, origin, d, o_index, d_index, t, p, scalar, sigma_t, receiver, limit,
-                triangle, rng,
-            )  # fmt: skip
-            room.hit[i] = t >= 0.0
-            if t < 0.0:
-                L, _, _, _, _ = missed(scene, origin, d, stop[0], light, distance)
-                keep(room.seen, i, (L, BLACK, BLACK, BLACK, BLACK, -1.0))
-                continue
-            drawn, rng = draw_by_light(scene.choice, scene, v, rng)
-            rays, rng = toward_light(scene, room, room.second, i, rays, v, drawn, rng)
-            vertex = (v, drawn, rng, t)
-            keep(room.lit, i, vertex)
-        walk_shadows(scene.ratio, scene.medium, scene.transfer, room.second, rays, room.pool)
-        # Light by scatter
-        rays = NO_RAYS
-        for i in range(n):
-            if not room.hit[i]:
-                continue
-            v, drawn, rng, t = kept(room.lit, i, vertex)
-            by_light = scale(drawn.f, passed(scene.ratio, room, room.second, i))
-            rng = after_walk(room, room.second, i, rng)
-            drawn, rng = draw_by_scatter(
-                scene.ambient, scene.environment, scene.area_lights, scene, v, rng
-            )
-            rays, rng = toward_light(scene, room, room.first, i, rays, v, drawn, rng)
+def begin(count, goal, seed, scene, room):
+    """Camera rays of the next samples that are due, if any are."""
+    n = choose(count, goal, room)
+    room.numbers[TAKEN], room.numbers[LIVE], room.numbers[EVENTS] = n, n, 0
+    rays = NO_RAYS
+    for i in range(n):
+        row, column, sample = room.sample[i, 0], room.sample[i, 1], room.sample[i, 2]
+        origin, d, stop, rng = camera_ray(count.shape[1], scene, row, column, sample, seed)
+        light, distance = light_seen(scene.light_tree, scene.area_lights, narrow(origin), d)
+        keep(room.ahead, i, (d, stop, light, distance), no_end())
+        o_index, d_index = in_index(scene.camera, origin, d)
+        shift = nearest_approach(scene.receivers, origin, d)
+        limit = f64(min(distance, stop[0]))
+        rays = send(scene, room, i, rays, origin, d, o_index, d_index, shift, limit, rng)
+        room.live[i] = i32(i)
+    room.first.size[0] = rays
+
+
+# Events
+
+
+@device
+def end_outside(room, i):
+    """End path i, whose ray meets no medium and no receiver."""
+    if room.numbers[EVENTS] == 0:
+        room.ray[i] = MISSED
+        keep(room.seen, i, nothing_seen(), nothing_seen())
+    else:
+        room.ray[i] = ENDED
+        add_light(room, i, mul(colour_of(room.throughput, i), colour_of(room.met, i)))
+
+
+@launched
+def meet(scene, room):
+    """What the rays under way meet."""
+    live = NO_RAYS
+    for j in range(room.numbers[LIVE]):
+        i = room.live[j]
+        origin, d, receiver, limit, triangle, enter = kept(room.under_way, i, no_ray())
+        t, p, scalar, sigma_t = collision(room, room.first, i, enter)
+        rng = after_walk(scene.sobol, room, room.first, i)
+        # Index coordinates are for other volumes, which paths in step know none of
+        t, v, rng = event_at(
+            scene, origin, d, NO_PLACE, NO_PLACE, t, p, scalar, sigma_t, receiver, limit, triangle,
+            rng,
+        )  # fmt: skip
+        if t < 0.0:
+            end_outside(room, i)
+            continue
+        if room.numbers[EVENTS] == room.numbers[MOST]:
+            room.ray[i] = ENDED
+            continue
+        if room.numbers[EVENTS] == 0:
             normal = first_normal(scene.normal_map, scene.medium, v)
-            keep(room.seen, i, (v.emitted, by_light, drawn.f, v.albedo, normal, t))
-        walk_shadows(scene.ratio, scene.medium, scene.transfer, room.first, rays, room.pool)
-        # Film
-        for i in range(n):
-            L, by_light, f, albedo, normal, t = kept(
-                room.seen, i, (BLACK, BLACK, BLACK, BLACK, BLACK, -1.0)
+            keep(room.seen, i, (v.albedo, normal, t), nothing_seen())
+            set_colour(room.radiance, i, BLACK)
+            set_colour(room.throughput, i, WHITE)
+        keep(room.vertex, i, v, no_vertex(scene.gloss, scene.phase))
+        keep_random(rng.net, room, i, rng)
+        room.live[live] = i
+        live += 1
+    room.numbers[LIVE] = live
+    room.numbers[EVENTS] += 1
+
+
+# Light
+
+
+@device
+def ask(room, i, v, drawn):
+    """Note the light that is drawn for path i."""
+    set_colour(room.drawn, i, drawn.f)
+    keep(room.shadow, i, (v.x, v.p, drawn.wi, drawn.distance), no_shadow())
+
+
+@launched
+def by_light(scene, room):
+    """Light drawn by lights."""
+    for j in range(room.numbers[LIVE]):
+        i = room.live[j]
+        v = kept(room.vertex, i, no_vertex(scene.gloss, scene.phase))
+        rng = random_of(scene.sobol, room, i)
+        drawn, rng = draw_by_light(scene.choice, scene, v, rng)
+        ask(room, i, v, drawn)
+        keep_random(rng.net, room, i, rng)
+
+
+@launched
+def shade(scene, room, queue):
+    """Shadow rays toward the lights that are drawn."""
+    rays = NO_RAYS
+    for j in range(room.numbers[LIVE]):
+        i = room.live[j]
+        x, p, wi, distance = kept(room.shadow, i, no_shadow())
+        room.ray[i] = HIDDEN
+        if largest(colour_of(room.drawn, i)) > ZERO and not blocked(
+            scene.receivers, scene.mesh, scene.shadows, x, wi, distance
+        ):
+            o, d = wide(p), wide(transform(scene.medium.index_from_world, wi))
+            enter, length = shaded_interval(scene.shadows, scene.medium, o, d, distance)
+            rng = random_of(scene.sobol, room, i)
+            rays, rng = set_off(
+                room, queue, i, rays, narrow(at(o, d, enter)), narrow(d), length, rng
             )
-            hit = t >= 0.0
-            if hit:
-                L = add(L, add(by_light, scale(f, passed(scene.ratio, room, room.first, i))))
-            _, d, stop, _, _, _, _, _, _, _ = kept(room.ahead, i, ahead)
-            row, column, sample = room.sample[i, 0], room.sample[i, 1], room.sample[i, 2]
-            add_sample(
-                film, scene, row, column, sample, d, stop, L, hit, max(t, 0.0), albedo, normal
-            )
+            keep_random(rng.net, room, i, rng)
+    queue.size[0] = rays
+
+
+@launched
+def by_scatter(scene, room):
+    """Light of single scattering: what lights have drawn, and that drawn by scattering."""
+    for j in range(room.numbers[LIVE]):
+        i = room.live[j]
+        v = kept(room.vertex, i, no_vertex(scene.gloss, scene.phase))
+        light = scale(colour_of(room.drawn, i), passed(room, room.second, i))
+        rng = after_walk(scene.sobol, room, room.second, i)
+        set_colour(room.radiance, i, add(v.emitted, light))
+        drawn, rng = draw_by_scatter(
+            scene.ambient, scene.environment, scene.area_lights, scene, v, rng
+        )
+        ask(room, i, v, drawn)
+        keep_random(rng.net, room, i, rng)
+
+
+@launched
+def go_on(scattering, scene, room):
+    """Light of an event of multiple scattering, and the ray to the next one."""
+    live, rays = NO_RAYS, NO_RAYS
+    for j in range(room.numbers[LIVE]):
+        i = room.live[j]
+        v = kept(room.vertex, i, no_vertex(scene.gloss, scene.phase))
+        throughput = colour_of(room.throughput, i)
+        light = scale(colour_of(room.drawn, i), passed(room, room.second, i))
+        rng = after_walk(scene.sobol, room, room.second, i)
+        add_light(room, i, mul(throughput, add(v.emitted, light)))
+        room.ray[i] = ENDED
+        wi, rng = sample_scatter(v, rng)
+        weight, pdf = scatter_weight_and_pdf(scene.choice, v, wi)
+        throughput, rng = roulette(mul(throughput, weight), scattering.roulette, rng)
+        if largest(throughput) <= ZERO:
+            continue
+        met, distance = light_met(scene, scene.choice, v, wi, pdf)
+        set_colour(room.throughput, i, throughput)
+        set_colour(room.met, i, met)
+        d_index = wide(transform(scene.medium.index_from_world, wi))
+        rays = send(
+            scene, room, i, rays, wide(v.x), wi, wide(v.p), d_index, 0.0, f64(distance), rng
+        )
+        room.live[live] = i
+        live += 1
+    room.first.size[0] = rays
+    room.numbers[LIVE] = live
+
+
+# Film
+
+
+@glue
+def radiance_of(scene, room, i, d, stop, light, distance):
+    """Light that path i sends to the camera."""
+    L = colour_of(room.radiance, i)
+    if room.ray[i] == MISSED:
+        origin, _, _, _, _, _ = kept(room.under_way, i, no_ray())
+        L, _, _, _, _ = missed(scene, origin, d, stop[0], light, distance)
+    elif room.ray[i] != ENDED:
+        # Light by scatter
+        L = add(L, scale(colour_of(room.drawn, i), passed(room, room.first, i)))
+    return L
+
+
+@launched
+def expose(film, scene, room):
+    """Add the samples to the film."""
+    for i in range(room.numbers[TAKEN]):
+        d, stop, light, distance = kept(room.ahead, i, no_end())
+        L = radiance_of(scene, room, i, d, stop, light, distance)
+        albedo, normal, t = kept(room.seen, i, nothing_seen())
+        row, column, sample = room.sample[i, 0], room.sample[i, 1], room.sample[i, 2]
+        add_sample(
+            film, scene, row, column, sample, d, stop, L, t >= 0.0, max(t, 0.0), albedo, normal
+        )

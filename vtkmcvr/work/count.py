@@ -42,8 +42,7 @@ WORK: dict[str, dict[str, int]] = {
     "surface tests": {"brdf.surface_event?": 1},
     "opacities of surfaces": {"brdf.opacity_over": 1},
     "BRDF evaluations": {
-        "brdf.brdf_value_and_pdf": 1, "brdf.brdf_pdf": 1, "brdf.brdf_weight": 1,
-        "brdf.sample_brdf": 1,
+        "brdf.brdf_value_and_pdf": 1, "brdf.brdf_weight_and_pdf": 1, "brdf.sample_brdf": 1,
     },
     "microfacets": {"brdf.microfacets": 1, "brdf.sample_microfacet": 1},
     "phase evaluations": {"phase.phase_value": 1, "phase.sample_phase": 1},

@@ -19,7 +19,7 @@ from pathlib import Path
 from types import ModuleType
 
 KERNELS = Path(__file__).parent.parent / "kernels"
-DECORATORS = ("device", "outlined", "exact", "glue", "kernel", "launched", "entry_point")
+DECORATORS = ("device", "exact", "glue", "kernel", "launched", "entry_point")
 
 Decorators = Mapping[str, Callable[[Callable], Callable]]
 Rewrite = Callable[[ast.Module], ast.Module]

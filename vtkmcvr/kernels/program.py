@@ -1,0 +1,168 @@
+"""Which stages the paths of a scene in step go through, and the loop that runs them.
+
+The loop knows machine code by its address, so it is compiled once, and a stage once for all scenes
+whose parts are of the same types.
+"""
+
+from __future__ import annotations
+
+from collections import namedtuple
+from typing import NamedTuple
+
+import numpy as np
+from llvmlite import ir
+from numba import types
+from numba.extending import intrinsic
+from numpy.typing import NDArray
+
+from .. import packed
+from .jit import kernel
+from .launch import Known, Launched, taken_apart
+from .packets import walk_queue
+from .pool import Queue
+from .room import COLUMN, COLUMN_0, COLUMN_1, LIVE, MOST, ROW, ROW_0, ROW_1, SAMPLE, TAKEN, Room
+from .stages import begin, by_light, by_scatter, expose, go_on, meet, shade
+
+INT, LONG = ir.IntType(32), ir.IntType(64)
+
+
+# Parts of a packed scene that stages take, and fields of `packed.Scene` that they read
+VERTEX, RECEIVERS = "gloss phase sobol", "receivers mesh"
+LIGHTS = "choice light_tree area_lights environment"
+BeginPart = namedtuple(
+    "BeginPart", f"camera lens sobol backdrop medium {RECEIVERS} light_tree area_lights"
+)
+MeetPart = namedtuple(
+    "MeetPart", f"{VERTEX} {RECEIVERS} camera medium transfer surface normal_map more marching"
+)
+ByLightPart = namedtuple("ByLightPart", f"{VERTEX} {LIGHTS} delta_lights")
+ShadePart = namedtuple("ShadePart", f"sobol {RECEIVERS} medium shadows")
+ByScatterPart = namedtuple("ByScatterPart", f"{VERTEX} {LIGHTS} ambient")
+GoOnPart = namedtuple("GoOnPart", f"{VERTEX} {LIGHTS} ambient {RECEIVERS} medium")
+FilmPart = namedtuple("FilmPart", "backdrop environment_visible ambient environment area_lights")
+# Delta tracking and ratio tracking
+BY_DELTA, BY_RATIO = np.bool_(False), np.bool_(True)
+
+
+class Program(NamedTuple):
+    """Stages of a scene's paths in a room, in the order in which they run.
+
+    The first ones run for every batch of paths; those from `again` to `end` for every further
+    event, while there are paths that go on; the others when all paths have ended.
+    """
+
+    steps: NDArray[np.int64]  # (n, 2) addresses: machine code; words of its arguments
+    again: int
+    end: int
+    most: int  # events of a path
+    room: Room
+    # What addresses point to
+    arguments: list
+
+
+Steps = list[tuple[Launched, tuple]]
+
+
+def part(kind: type, scene: packed.Scene) -> tuple:
+    """Part of a packed scene."""
+    return kind(*(getattr(scene, name) for name in kind._fields))
+
+
+def to_lights(scene: packed.Scene, walk: tuple, room: Room, queue: Queue) -> Steps:
+    """Steps of shadow rays, which walk where anything can be in their way."""
+    steps: Steps = [(shade, (part(ShadePart, scene), room, queue))]
+    if scene.shadows is None:
+        return steps
+    if scene.ratio is None:
+        how = BY_DELTA, np.float32(0)
+    else:
+        how = BY_RATIO, scene.ratio.roulette
+    return [*steps, (walk_queue, (*walk, *how, queue, room.pool))]
+
+
+def steps_of(
+    film: packed.Film, scene: packed.Scene, goal: NDArray[np.int64], seed: np.int64, room: Room
+) -> tuple[Steps, Steps, Steps]:
+    """Stages and their arguments: of a batch, of each further event, of its end."""
+    medium = scene.medium._replace(clip=None)
+    transfer = scene.transfer._replace(
+        colour_grid=None, emission=None, specular=None, exponent=None, phase=None
+    )
+    # All that the walk knows of: it is one for many scenes
+    walk = medium, transfer
+    ahead: Steps = [
+        (walk_queue, (*walk, BY_DELTA, np.float32(0), room.first, room.pool)),
+        (meet, (part(MeetPart, scene), room)),
+        (by_light, (part(ByLightPart, scene), room)),
+        *to_lights(scene, walk, room, room.second),
+    ]
+    first: Steps = [(begin, (film.count, goal, seed, part(BeginPart, scene), room)), *ahead]
+    last: Steps = [(expose, (film, part(FilmPart, scene), room))]
+    if scene.scattering is None:
+        scatter = by_scatter, (part(ByScatterPart, scene), room)
+        return [*first, scatter, *to_lights(scene, walk, room, room.first)], [], last
+    return first, [(go_on, (scene.scattering, part(GoOnPart, scene), room)), *ahead], last
+
+
+def program(
+    film: packed.Film, scene: packed.Scene, goal: NDArray[np.int64], seed: np.int64, room: Room,
+    known: Known,
+) -> Program:  # fmt: skip
+    """Compile what is not compiled yet, for paths that go up to a `goal` of samples each pixel.
+
+    `known` serves programs of one scene in several rooms.
+    """
+    first, again, last = steps_of(film, scene, goal, seed, room)
+    steps = [*first, *again, *last]
+    addresses, blocks = [], []
+    for stage, arguments in steps:
+        parts = [taken_apart(argument, known) for argument in arguments]
+        blocks.append(np.concatenate([words for _, words in parts]))
+        address = stage.address_for(tuple(kind for kind, _ in parts))
+        addresses.append((address, blocks[-1].ctypes.data))
+    most = 1 if scene.scattering is None else scene.scattering.most
+    return Program(
+        np.array(addresses, np.int64), len(first), len(first) + len(again), most, room,
+        [blocks, [arguments for _, arguments in steps]],
+    )  # fmt: skip
+
+
+def run(made: Program, row_0: int, row_1: int, column_0: int, column_1: int) -> None:
+    """Bring every pixel of a tile up to its goal."""
+    if row_0 >= row_1 or column_0 >= column_1:
+        return
+    numbers = made.room.numbers
+    numbers[[ROW_0, ROW_1, COLUMN_0, COLUMN_1]] = row_0, row_1, column_0, column_1
+    numbers[[ROW, COLUMN, SAMPLE, MOST]] = row_0, column_0, 0, made.most
+    status = run_steps(made.steps, made.again, made.end, numbers)
+    if status != 0:
+        raise RuntimeError(f"a kernel ended with status {status}; this is a fault of vtkmcvr")
+
+
+@intrinsic
+def call(typing, address, words):
+    """Status of the machine code at an address, which takes the address of its words."""
+
+    def emit(context, builder, sig, args):
+        kind = ir.FunctionType(INT, [LONG.as_pointer()])
+        code = builder.inttoptr(args[0], kind.as_pointer())
+        return builder.call(code, [builder.inttoptr(args[1], LONG.as_pointer())])
+
+    return types.int32(types.int64, types.int64), emit
+
+
+@kernel
+def run_steps(steps, again, end, numbers):
+    """Run a program batch by batch, until no sample is due. Returns the status of its kernels."""
+    status = np.int32(0)
+    while status == 0:
+        for k in range(again):
+            status |= call(steps[k, 0], steps[k, 1])
+            if numbers[TAKEN] == 0:
+                return status
+        while again < end and numbers[LIVE] > 0 and status == 0:
+            for k in range(again, end):
+                status |= call(steps[k, 0], steps[k, 1])
+        for k in range(end, len(steps)):
+            status |= call(steps[k, 0], steps[k, 1])
+    return status
