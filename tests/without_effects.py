@@ -3,10 +3,12 @@
 import ast
 
 import numba
+import numpy as np
 
 from vtkmcvr.kernels import jit
 from vtkmcvr.kernels.compilers import KernelCompiler, LaunchedCompiler
 from vtkmcvr.kernels.launch import Launched
+from vtkmcvr.kernels.program import Due
 from vtkmcvr.kernels.room import new_room
 from vtkmcvr.work.sources import load_kernels
 
@@ -60,9 +62,10 @@ class InStep:
         self.stages = set()
 
     def at(self, film, scene, goal, seed):
-        steps = self.kernels.steps_of(film, scene, goal, seed, self.room)
+        due = Due(goal, np.zeros(goal.shape, np.bool_), seed)
+        steps = self.kernels.steps_of(film, scene, due, self.room)
         self.stages |= {stage for part in steps for stage, _ in part}
-        made = self.kernels.program(film, scene, goal, seed, self.room, {})
+        made = self.kernels.program(film, scene, due, self.room, {})
         return lambda *tile: self.kernels.run(made, *tile)
 
     def assembly(self):

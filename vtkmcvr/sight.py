@@ -12,17 +12,21 @@ from .planning.medium import NOWHERE
 SAMPLES = 16
 
 
-def nothing_seen(scene: packed.Scene) -> bool:
-    """Whether every path is black: all volumes transparent, and nothing beside or behind them."""
+def dark_around(scene: packed.Scene) -> bool:
+    """Whether camera paths that meet no volume are all black."""
     lights = scene.area_lights
-    around = (
+    return not (
         scene.environment_visible
         or scene.receivers is not None
         or scene.backdrop is not None
         or (lights is not None and lights.seen is not None)
     )
+
+
+def nothing_seen(scene: packed.Scene) -> bool:
+    """Whether every path is black: all volumes transparent, and nothing beside or behind them."""
     media = [scene.medium, *(layer.medium for layer in scene.more or ())]
-    return not around and all(medium.active_hi[0] <= NOWHERE for medium in media)
+    return dark_around(scene) and all(medium.active_hi[0] <= NOWHERE for medium in media)
 
 
 def fill_black(film: packed.Film, samples: int | None, density: Density | None) -> str:

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from . import packed
 from .kernels.cpu import render_tile as render_one_by_one
 from .kernels.launch import Known, Launched, words_of
-from .kernels.program import Program, program, run
+from .kernels.program import Due, Program, program, run
 from .kernels.room import Room, new_room
+from .outline import dark_pixels
 
 # Not plain Python, as with NUMBA_DISABLE_JIT=1
 COMPILED = isinstance(render_one_by_one, Launched)
@@ -55,6 +56,7 @@ class Launcher:
         self._programs: dict[int, Program] = {}
         self._known: Known = {}
         if self._in_step:
+            self._due = Due(goal, dark_pixels(scene, film.count.shape), seed)
             with _room() as room:
                 self._program(room)
         elif COMPILED:
@@ -64,7 +66,8 @@ class Launcher:
     def _program(self, room: Room) -> Program:
         # Rooms stay: no other one gets the number
         if id(room) not in self._programs:
-            self._programs[id(room)] = program(*self._arguments, room, self._known)
+            film, scene, _, _ = self._arguments
+            self._programs[id(room)] = program(film, scene, self._due, room, self._known)
         return self._programs[id(room)]
 
     def __call__(self, row_0: int, row_1: int, column_0: int, column_1: int) -> None:

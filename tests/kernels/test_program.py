@@ -19,18 +19,22 @@ if not config.DISABLE_JIT:
     from vtkmcvr.kernels.jit import kernel, launched
     from vtkmcvr.kernels.kept import keep, kept
     from vtkmcvr.kernels.launch import taken_apart, words_of
-    from vtkmcvr.kernels.program import program, run_steps, steps_of
+    from vtkmcvr.kernels.program import Due, program, run_steps, steps_of
     from vtkmcvr.kernels.room import LIVE, MOST, TAKEN, new_room
 
 ALL = {"begin", "walk_queue", "meet", "by_light", "shade", "by_scatter", "go_on", "expose"}
 WHOLE = everything(ConstantEnvironment(1.0), surface=Surface(gradient_factor=1.0), aovs=("albedo",))
 
 
+def nothing_due(film):
+    return Due(film.count, np.zeros(film.count.shape, np.bool_), np.int64(0))
+
+
 def stages(some):
     """Names of the stages of a scene, with the types of their arguments, which code is for."""
     made = plan(some)
     film = empty_film(made)
-    parts = steps_of(film, made.packed, film.count, np.int64(0), new_room())
+    parts = steps_of(film, made.packed, nothing_due(film), new_room())
     return {
         (stage.py_func.__name__, tuple(taken_apart(a, {})[0] for a in arguments))
         for part in parts
@@ -70,9 +74,9 @@ def test_parts_that_are_known_are_not_taken_apart_again():
     made = plan(WHOLE)
     film = empty_film(made)
     known, room = {}, new_room()
-    first = program(film, made.packed, film.count, np.int64(0), room, known)
+    first = program(film, made.packed, nothing_due(film), room, known)
     there = dict(known)
-    other = program(film, made.packed, film.count, np.int64(0), new_room(), known)
+    other = program(film, made.packed, nothing_due(film), new_room(), known)
     np.testing.assert_array_equal(first.steps[:, 0], other.steps[:, 0])
     assert all(known[i] is found for i, found in there.items())
     # What addresses of words point to
@@ -83,7 +87,7 @@ def test_nothing_runs_where_no_sample_is_due():
     made = plan(WHOLE)
     film = empty_film(made)
     room = new_room()
-    steps, again, end, *_ = program(film, made.packed, film.count, np.int64(0), room, {})
+    steps, again, end, *_ = program(film, made.packed, nothing_due(film), room, {})
     assert run_steps(steps, again, end, room.numbers) == 0
     assert room.numbers[TAKEN] == room.numbers[LIVE] == 0
 

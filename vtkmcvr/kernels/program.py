@@ -44,6 +44,14 @@ FilmPart = namedtuple("FilmPart", "backdrop environment_visible ambient environm
 BY_DELTA, BY_RATIO = np.bool_(False), np.bool_(True)
 
 
+class Due(NamedTuple):
+    """Samples that are due."""
+
+    goal: NDArray[np.int64]  # (H, W) samples that each pixel is to have
+    dark: NDArray[np.bool_]  # (H, W) pixels whose paths are all black
+    seed: np.int64
+
+
 class Program(NamedTuple):
     """Stages of a scene's paths in a room, in the order in which they run.
 
@@ -81,7 +89,7 @@ def to_lights(scene: packed.Scene, walk: tuple, room: Room, queue: Queue) -> Ste
 
 
 def steps_of(
-    film: packed.Film, scene: packed.Scene, goal: NDArray[np.int64], seed: np.int64, room: Room
+    film: packed.Film, scene: packed.Scene, due: Due, room: Room
 ) -> tuple[Steps, Steps, Steps]:
     """Stages and their arguments: of a batch, of each further event, of its end."""
     medium = scene.medium._replace(clip=None)
@@ -96,7 +104,7 @@ def steps_of(
         (by_light, (part(ByLightPart, scene), room)),
         *to_lights(scene, walk, room, room.second),
     ]
-    first: Steps = [(begin, (film.count, goal, seed, part(BeginPart, scene), room)), *ahead]
+    first: Steps = [(begin, (film.count, due, part(BeginPart, scene), room)), *ahead]
     last: Steps = [(expose, (film, part(FilmPart, scene), room))]
     if scene.scattering is None:
         scatter = by_scatter, (part(ByScatterPart, scene), room)
@@ -104,15 +112,9 @@ def steps_of(
     return first, [(go_on, (scene.scattering, part(GoOnPart, scene), room)), *ahead], last
 
 
-def program(
-    film: packed.Film, scene: packed.Scene, goal: NDArray[np.int64], seed: np.int64, room: Room,
-    known: Known,
-) -> Program:  # fmt: skip
-    """Compile what is not compiled yet, for paths that go up to a `goal` of samples each pixel.
-
-    `known` serves programs of one scene in several rooms.
-    """
-    first, again, last = steps_of(film, scene, goal, seed, room)
+def program(film: packed.Film, scene: packed.Scene, due: Due, room: Room, known: Known) -> Program:
+    """Compile what is not compiled yet. `known` serves programs of one scene in several rooms."""
+    first, again, last = steps_of(film, scene, due, room)
     steps = [*first, *again, *last]
     addresses, blocks = [], []
     for stage, arguments in steps:

@@ -59,14 +59,19 @@ NO_PLACE = (0.0, 0.0, 0.0)
 
 
 @device
-def choose(count, goal, room):
-    """Next samples to take, in the order of pixels. Returns their number."""
+def choose(count, due, room):
+    """Next samples to take, in the order of pixels. Returns their number.
+
+    Those of dark pixels are taken at once: they add nothing.
+    """
     numbers = room.numbers
     row, column, sample = numbers[ROW], numbers[COLUMN], numbers[SAMPLE]
     n = NO_RAYS
     while n < PATHS and row < numbers[ROW_1]:
+        if due.dark[row, column]:
+            count[row, column] = max(count[row, column], due.goal[row, column])
         sample = max(sample, count[row, column])
-        if sample < goal[row, column]:
+        if sample < due.goal[row, column]:
             room.sample[n, 0], room.sample[n, 1], room.sample[n, 2] = row, column, sample
             sample += 1
             n += 1
@@ -95,14 +100,14 @@ def send(scene, room, i, rays, origin, d, o_index, d_index, shift, limit, rng):
 
 
 @launched
-def begin(count, goal, seed, scene, room):
+def begin(count, due, scene, room):
     """Camera rays of the next samples that are due, if any are."""
-    n = choose(count, goal, room)
+    n = choose(count, due, room)
     room.numbers[TAKEN], room.numbers[LIVE], room.numbers[EVENTS] = n, n, 0
     rays = NO_RAYS
     for i in range(n):
         row, column, sample = room.sample[i, 0], room.sample[i, 1], room.sample[i, 2]
-        origin, d, stop, rng = camera_ray(count.shape[1], scene, row, column, sample, seed)
+        origin, d, stop, rng = camera_ray(count.shape[1], scene, row, column, sample, due.seed)
         light, distance = light_seen(scene.light_tree, scene.area_lights, narrow(origin), d)
         keep(room.ahead, i, (d, stop, light, distance), no_end())
         o_index, d_index = in_index(scene.camera, origin, d)
