@@ -27,7 +27,7 @@ Tile = tuple[int, int, int, int]
 Compiled = TypeVar("Compiled")
 
 # Work between two looks at abort and deadline, and length of a pass, in seconds
-TILE_SECONDS, PASS_SECONDS, POLL_SECONDS = 0.02, 0.5, 0.02
+TILE_SECONDS, PASS_SECONDS, POLL_SECONDS = 0.01, 0.5, 0.02
 # The first is before the time of a path is known
 FIRST_TILE, LARGEST_TILE = 32, 64
 # Work that a pause waits for: a frame is about to be drawn
