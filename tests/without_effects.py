@@ -16,7 +16,7 @@ from vtkmcvr.work.sources import load_kernels
 def launched(function):
     """`jit.launched` without its on-disk cache."""
     dispatcher = numba.njit(nogil=True, pipeline_class=LaunchedCompiler, **jit.KERNEL)(function)
-    dispatcher.__class__ = Launched
+    dispatcher.__class__, dispatcher._addresses = Launched, {}
     return dispatcher
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from . import packed
 from .kernels.cpu import render_tile as render_one_by_one
-from .kernels.launch import Known, Launched, words_of
+from .kernels.launch import Known, Launched, taken_apart, words_of
 from .kernels.program import Due, Program, program, run
 from .kernels.room import Room, new_room
 from .outline import dark_pixels
@@ -19,6 +19,8 @@ from .outline import dark_pixels
 COMPILED = isinstance(render_one_by_one, Launched)
 # Rooms that no thread is in: as many as there have been threads at a time
 _free: list[Room] = []
+# What launchers need not take apart, each anew
+_known_rooms: Known = {}
 
 
 def goes_in_step(scene: packed.Scene) -> bool:
@@ -54,7 +56,7 @@ class Launcher:
         self._in_step = goes_in_step(scene)
         # By room: a thread's
         self._programs: dict[int, Program] = {}
-        self._known: Known = {}
+        self._known = dict(_known_rooms)
         if self._in_step:
             self._due = Due(goal, dark_pixels(scene, film.count.shape), seed)
             with _room() as room:
@@ -106,6 +108,7 @@ def _room() -> Iterator[Room]:
         room = _free.pop()
     except IndexError:
         room = new_room()
+        taken_apart(room, _known_rooms)
     try:
         yield room
     finally:

@@ -71,8 +71,8 @@ def least(rounds, work):
     return min(taken)
 
 
-def path_seconds(scene, rounds, samples=16):
-    """Processor time of a path, one thread."""
+def path_seconds(scene, rounds, samples=64):
+    """Processor time of a path, one thread; what a picture takes once is little beside so many."""
     planned = plan(scene)
     spent = least(rounds, lambda: render_scene(planned, samples=samples, threads=1, backend="cpu"))
     return spent / (scene.size[0] * scene.size[1] * samples)

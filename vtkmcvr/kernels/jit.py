@@ -156,6 +156,7 @@ def launched(function: Callable):
     dispatcher = njit(nogil=True, pipeline_class=LaunchedCompiler, **KERNEL)(function)
     if hasattr(dispatcher, "py_func"):
         dispatcher.__class__ = Launched
+        dispatcher._addresses = {}
     return _cached(dispatcher)
 
 

@@ -63,6 +63,9 @@ def taken_apart(value: Any, known: Known) -> tuple[types.Type, NDArray[np.int64]
 class Launched(CPUDispatcher):
     """A kernel that takes its arguments as words."""
 
+    # By the identities of types, which are kept along
+    _addresses: dict[tuple[int, ...], tuple[int, tuple[types.Type, ...]]]
+
     def __call__(self, *arguments: Any) -> None:
         """Run for these arguments, compiled for their types."""
         self.launch(self.address(*arguments), *map(words_of, arguments))
@@ -73,10 +76,14 @@ class Launched(CPUDispatcher):
 
     def address_for(self, kinds: tuple[types.Type, ...]) -> int:
         """Machine code for arguments of some types, compiled where there is none yet."""
-        if kinds not in self.overloads:
+        # Types are one object each as long as anybody has them; to compare them takes its time
+        key = tuple(map(id, kinds))
+        if key not in self._addresses:
             self.compile(kinds)
-        compiled = self.overloads[kinds]
-        return compiled.library.get_pointer_to_function(compiled.fndesc.llvm_cpython_wrapper_name)
+            compiled = self.overloads[kinds]
+            name = compiled.fndesc.llvm_cpython_wrapper_name
+            self._addresses[key] = compiled.library.get_pointer_to_function(name), kinds
+        return self._addresses[key][0]
 
     @staticmethod
     def launch(address: int, *words: NDArray[np.int64]) -> None:
