@@ -37,29 +37,37 @@ class _Known:
 def dark_pixels(scene: packed.Scene, shape: tuple[int, int]) -> NDArray[np.bool_]:
     """Pixels of a film, (H, W), whose paths are all black; it belongs to all who ask.
 
-    None in scenes with something around the volume, and where rays are not straight from the film.
+    None in scenes with something around the volume, of panoramas and of two eyes.
     """
-    if scene.more is not None or not dark_around(scene) or not pinhole(scene):
+    if scene.more is not None or not dark_around(scene) or not one_eye(scene.camera):
         return np.zeros(shape, np.bool_)
     camera, medium = scene.camera, scene.medium
     size, known = occupied(medium.majorant)
     box = medium.active_lo, medium.active_hi
-    view = *camera[:8], reach(camera), box, float(medium.cell_size), shape
+    lens = scene.lens and scene.lens[:2]
+    view = *camera[:8], reach(camera), lens, box, float(medium.cell_size), shape
     last = known.last
     if last is None or last[0] != view:
-        x, y = film_positions(camera, corners(medium, size, known.blocks.shape))
-        last = known.last = view, ~covered(known.blocks, x, y, reach(camera), shape)
+        x, y, along = film_positions(camera, corners(medium, size, known.blocks.shape))
+        around = reach(camera) + blur(camera, scene.lens, along)
+        last = known.last = view, ~covered(known.blocks, x, y, around, shape)
     return last[1]
 
 
-def pinhole(scene: packed.Scene) -> bool:
-    """Whether the camera is a pinhole or parallel, with one eye."""
-    camera = scene.camera
-    both = (np.any(camera.origin_x) or np.any(camera.origin_y)) and (
-        np.any(camera.direction_x) or np.any(camera.direction_y)
-    )
-    bent = (camera.panorama, camera.side_by_side, scene.lens)
-    return not both and all(part is None for part in bent)
+def one_eye(camera: packed.Camera) -> bool:
+    """Whether all rays come from one place, or all in one direction."""
+    other = (camera.panorama, camera.side_by_side)
+    return all(part is None for part in other) and (is_parallel(camera) or is_central(camera))
+
+
+def is_parallel(camera: packed.Camera) -> bool:
+    """Whether all rays have one direction."""
+    return not np.any((camera.direction_x, camera.direction_y))
+
+
+def is_central(camera: packed.Camera) -> bool:
+    """Whether all rays come from one place."""
+    return not np.any((camera.origin_x, camera.origin_y))
 
 
 def occupied(majorant: NDArray[np.float32]) -> tuple[int, _Known]:
@@ -85,23 +93,42 @@ def corners(medium: packed.Medium, size: int, blocks: tuple[int, ...]) -> NDArra
     return np.stack((x, y, z))
 
 
-def film_positions(camera: packed.Camera, points: NDArray) -> tuple[NDArray, NDArray]:
-    """Where index positions (3, ...) are on the film, x and y; NaN where no ray leads there."""
+def film_positions(camera: packed.Camera, points: NDArray) -> tuple[NDArray, NDArray, NDArray]:
+    """Where index positions (3, ...) are on the film, x and y, and how many headings away.
+
+    NaN where no ray leads there.
+    """
     turn = np.array(camera.index_from_world)
     origin, origin_x, origin_y, heading, heading_x, heading_y = (
         turn @ np.array(v) for v in camera[:6]
     )
     apart = points - (np.array(camera.index_of_centre) + origin).reshape(3, 1, 1, 1)
-    parallel = not (heading_x.any() or heading_y.any())
+    parallel = is_parallel(camera)
     along_film = (origin_x, origin_y) if parallel else (heading_x, heading_y)
     inverse = np.linalg.inv(np.stack((*along_film, heading), axis=1))
     x, y, along = np.tensordot(inverse, apart, axes=1)
-    if parallel:
-        return x, y
-    with np.errstate(divide="ignore", invalid="ignore"):
+    if not parallel:
         # Not behind the eye, nor so far aside that it says nothing
         ahead = along > np.maximum(abs(x), abs(y)) / FAR
-        return np.where(ahead, x / along, np.nan), np.where(ahead, y / along, np.nan)
+        along = np.where(ahead, along, np.nan)
+        x, y = x / along, y / along
+    return x, y, along
+
+
+def blur(camera: packed.Camera, lens: packed.Lens | None, along: NDArray) -> NDArray | float:
+    """Pixels by which rays through the edge of the lens miss where that through its middle leads.
+
+    They all meet at one distance; `along` is how many headings away they are to lead.
+    """
+    if lens is None:
+        return 0.0
+    depth = np.dot(camera.direction, lens.axis)
+    away, focus = along * depth, float(lens.focus_distance)
+    if is_parallel(camera):
+        step = min(np.linalg.norm(camera.origin_x), np.linalg.norm(camera.origin_y))
+        return lens.radius / step * abs(1 - away / focus)
+    step = min(np.linalg.norm(camera.direction_x), np.linalg.norm(camera.direction_y))
+    return lens.radius * depth / step * abs(1 / away - 1 / focus)
 
 
 def reach(camera: packed.Camera) -> float:
@@ -112,10 +139,15 @@ def reach(camera: packed.Camera) -> float:
 
 
 def covered(
-    blocks: Blocks, x: NDArray, y: NDArray, reach: float, shape: tuple[int, int]
+    blocks: Blocks, x: NDArray, y: NDArray, around: NDArray | float, shape: tuple[int, int]
 ) -> NDArray[np.bool_]:
-    """Pixels (H, W) within reach of the film positions of blocks that are occupied."""
-    places = (bounds(at, reach, n)[:, blocks] for at, n in ((y, shape[0]), (x, shape[1])))
+    """Pixels (H, W) that rays may lead from to blocks that are occupied, whose corners are at x, y.
+
+    `around` is how many pixels around a corner.
+    """
+    places = (
+        bounds(at - around, at + around, n)[:, blocks] for at, n in ((y, shape[0]), (x, shape[1]))
+    )
     (top, bottom), (left, right) = places
     # A rectangle is four steps of a sum over rows and columns
     steps = np.zeros((shape[0] + 1, shape[1] + 1), np.int32)
@@ -129,12 +161,11 @@ def covered(
     return steps.cumsum(0, np.int32).cumsum(1, np.int32)[:-1, :-1] > 0
 
 
-def bounds(at: NDArray, reach: float, n: int) -> NDArray[np.int64]:
+def bounds(low: NDArray, high: NDArray, n: int) -> NDArray[np.int64]:
     """First pixel of n that each block, (k, j, i), may cover, and the one after the last: (2, ...).
 
-    `at` is where corners are along an axis of the film; all pixels where that is not known.
+    From the lowest and highest film positions of its corners; all pixels where one is not known.
     """
-    low, high = at, at
     for axis in range(3):
         before, after = (
             tuple(part if axis == a else slice(None) for a in range(3))
@@ -143,7 +174,6 @@ def bounds(at: NDArray, reach: float, n: int) -> NDArray[np.int64]:
         # NaN wins
         low = np.minimum(low[before], low[after])
         high = np.maximum(high[before], high[after])
-    first = np.where(np.isnan(low), 0, np.ceil(low - reach - 0.5))
-    last = np.where(np.isnan(high), n, np.floor(high + reach - 0.5) + 1)
-    first = np.clip(first, 0, n)
+    first = np.clip(np.where(np.isnan(low), 0, np.ceil(low - 0.5)), 0, n)
+    last = np.where(np.isnan(high), n, np.floor(high - 0.5) + 1)
     return np.stack((first, np.clip(last, first, n))).astype(np.int64)

@@ -4,10 +4,11 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from numba import typeof
 from test_jit import python
 
 from vtkmcvr.kernels.jit import launched
-from vtkmcvr.kernels.launch import Launched, words_of
+from vtkmcvr.kernels.launch import Launched, taken_apart, words_of
 
 f32 = np.float32
 
@@ -96,3 +97,24 @@ def test_a_kernel_is_called_by_another_process_from_the_cache(tmp_path):
     for hits in (0, 1):
         found = python("import parts", tmp_path, NUMBA_CACHE_DIR=str(tmp_path / "cache"))
         assert found == f"42.0 {hits}"
+
+
+def test_what_is_taken_apart_once_is_known():
+    scene = scene_of(np.zeros((2, 3, 4), np.uint8))
+    known = {}
+    kind, words = taken_apart(scene, known)
+    assert kind is typeof(scene)
+    np.testing.assert_array_equal(words, words_of(scene))
+    again = taken_apart(scene._replace(matrix=scene.matrix), known)
+    assert again[0] is kind
+    np.testing.assert_array_equal(again[1], words)
+    # Parts stay as long as what is known of them, or others would take their place
+    assert known[id(scene.inner)][2] is scene.inner
+
+
+def test_machine_code_is_compiled_once_for_equal_types():
+    first, second = (scene_of(np.zeros((2, 3, n), np.uint8)) for n in (4, 5))
+    out = np.zeros(10)
+    address = take_apart.address(out, first, np.int64(1))
+    assert take_apart.address(out, second, np.int64(2)) == address
+    assert take_apart.address(out, scene_of(np.zeros((2, 3, 4), np.int16)), np.int64(1)) != address
