@@ -1,10 +1,13 @@
 """Time of a camera path against the bare look-ups that it makes, threads, size, estimates a second.
 
+And the shares of its stages.
+
     python tests/bench/bench_floor.py [--size 160x120] [--rounds 5] [--largest 1024] [--json FILE]
 
 The floor of a scene: the positions at which its paths look up the volume are written down, in order
 (by the kernels' own sources as plain Python), and looked up again by a loop that does nothing else.
 Positions are few enough to stay in the caches, which makes the floor lower than it is in a picture.
+A second floor adds what paths read of majorants and of the transfer function's tables.
 The least processor time of the rounds counts. Estimates are whole 800 x 600 pictures of one sample
 on all CPUs, by the clock. Volumes come from VTKMCVR_DATA; without it, the synthetic head alone.
 """
@@ -14,6 +17,7 @@ import json
 import os
 import time
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numba
@@ -24,6 +28,10 @@ import vtkmcvr
 from vtkmcvr.costs.study import machine
 from vtkmcvr.front import scene_of
 from vtkmcvr.kernels.grid import trilinear
+from vtkmcvr.kernels.launch import way_in
+from vtkmcvr.kernels.program import Due, place, program, steps_of
+from vtkmcvr.kernels.room import LIVE, TAKEN, new_room
+from vtkmcvr.outline import dark_pixels
 from vtkmcvr.plan import plan
 from vtkmcvr.rendering import empty_film, render_scene
 from vtkmcvr.schedule import default_threads
@@ -42,8 +50,53 @@ def look_up(values, positions):
     return total
 
 
+@numba.njit(error_model="numpy", fastmath=True, nogil=True)
+def read(table, places):
+    """Sum of the entries of a flat table at some places."""
+    total = np.float32(0)
+    for i in range(len(places)):
+        total += table[places[i]]
+    return total
+
+
+class Watched(np.ndarray):
+    """Table that writes down the places, flat, at which it is read."""
+
+    def __array_finalize__(self, other):
+        self.places = getattr(other, "places", [])
+
+    def __getitem__(self, place):
+        indices = place if isinstance(place, tuple) else (place,)
+        flat = 0
+        for i, n in zip(indices, self.shape, strict=True):
+            flat = flat * n + int(i)
+        self.places.append(flat)
+        return super().__getitem__(place)
+
+    def again(self):
+        """Table without a watch, flat, and the places."""
+        return np.asarray(self).ravel(), np.array(self.places, np.int64)
+
+
+def watched(packed):
+    """Packed scene whose majorants and tables are watched, and those arrays."""
+    tables = [
+        array.view(Watched)
+        for array in (packed.medium.majorant, packed.transfer.sigma_t, packed.transfer.colour)
+    ]
+    for table in tables:
+        table.places = []
+    majorant, sigma_t, colour = tables
+    medium = packed.medium._replace(majorant=majorant)
+    transfer = packed.transfer._replace(sigma_t=sigma_t, colour=colour)
+    return packed._replace(medium=medium, transfer=transfer), tables
+
+
 def recorded(scene):
-    """Positions (n, 3) that one sample of every pixel of a small film looks up, and its paths."""
+    """What one sample of every pixel of a small film looks up, and its paths.
+
+    Returns (positions in the volume (n, 3), watched tables, number of paths).
+    """
     positions = []
 
     def decorator(function):
@@ -54,10 +107,11 @@ def recorded(scene):
     planned = plan(replace(scene, size=RECORDED))
     film = empty_film(planned)
     goal = np.ones_like(film.count)
+    packed, tables = watched(planned.packed)
     with np.errstate(all="ignore"):
         kernels = load_kernels("cpu", dict.fromkeys(DECORATORS, decorator))
-        kernels.render_tile(film, planned.packed, 0, RECORDED[1], 0, RECORDED[0], goal, 0)
-    return np.array(positions, np.float32), film.count.size
+        kernels.render_tile(film, packed, 0, RECORDED[1], 0, RECORDED[0], goal, 0)
+    return np.array(positions, np.float32), tables, film.count.size
 
 
 def least(rounds, work):
@@ -71,6 +125,12 @@ def least(rounds, work):
     return min(taken)
 
 
+def repeated(rounds, n, work):
+    """Least processor time of what goes through n entries, of calls that are long enough."""
+    repeats = max(1, 2_000_000 // n)
+    return least(rounds, lambda: [work() for _ in range(repeats)]) / repeats
+
+
 def path_seconds(scene, rounds, samples=64):
     """Processor time of a path, one thread; what a picture takes once is little beside so many."""
     planned = plan(scene)
@@ -80,17 +140,54 @@ def path_seconds(scene, rounds, samples=64):
 
 def against_floor(scene, rounds):
     """Time of a path, its look-ups, and what they take alone."""
-    positions, paths = recorded(scene)
+    positions, tables, paths = recorded(scene)
     values = plan(scene).packed.medium.values
-    repeats = max(1, 2_000_000 // len(positions))
-    look = least(rounds, lambda: [look_up(values, positions) for _ in range(repeats)])
-    each = look / repeats / len(positions)
-    seconds = path_seconds(scene, rounds)
-    floor = each * len(positions) / paths
+    floor = repeated(rounds, len(positions), lambda: look_up(values, positions)) / paths
+    seconds, all_of_them = path_seconds(scene, rounds), floor
+    for table in tables:
+        flat, places = table.again()
+        all_of_them += repeated(rounds, len(places), partial(read, flat, places)) / paths
     return {
-        "path_ns": 1e9 * seconds, "lookups": len(positions) / paths, "lookup_ns": 1e9 * each,
-        "floor_ns": 1e9 * floor, "over_floor": seconds / floor,
+        "path_ns": 1e9 * seconds, "lookups": len(positions) / paths,
+        "lookup_ns": 1e9 * floor * paths / len(positions), "floor_ns": 1e9 * floor,
+        "over_floor": seconds / floor,
+        "table_reads": sum(len(table.places) for table in tables) / paths,
+        "floor_with_tables_ns": 1e9 * all_of_them, "over_floor_with_tables": seconds / all_of_them,
     }  # fmt: skip
+
+
+def by_stage(scene, samples=64):
+    """Share of each stage in the time of all, by the clock, one thread; {name: share}."""
+    planned = plan(scene)
+    film = empty_film(planned)
+    goal = np.full_like(film.count, samples)
+    height, width = film.count.shape
+    due = Due(goal, dark_pixels(planned.packed, film.count.shape), np.int64(0))
+    room = new_room()
+    parts = steps_of(film, planned.packed, due, room)
+    names = [stage.py_func.__name__ for part in parts for stage, _ in part]
+    made = program(film, planned.packed, due, room, {})
+    spent = dict.fromkeys(names, 0.0)
+
+    def step(k):
+        code, words = (int(address) for address in made.steps[k])
+        start = time.perf_counter()
+        way_in(code)(words)
+        spent[names[k]] += time.perf_counter() - start
+
+    place(made, 0, height, 0, width)
+    while True:
+        step(0)
+        if room.numbers[TAKEN] == 0:
+            break
+        for k in range(1, made.again):
+            step(k)
+        while made.end > made.again and room.numbers[LIVE] > 0:
+            for k in range(made.again, made.end):
+                step(k)
+        for k in range(made.end, len(names)):
+            step(k)
+    return {name: seconds / sum(spent.values()) for name, seconds in spent.items()}
 
 
 def by_threads(scene, rounds):
@@ -148,18 +245,23 @@ def main():
     size = tuple(int(x) for x in args.size.split("x"))
     facts = {"machine": machine(), "scenes": {}}
     print(f"{facts['machine']['processor']}, {default_threads()} CPUs")
-    titles = "ns/path  look-ups  ns/look-up  floor ns  over floor  2 threads  estimates/s"
+    titles = "ns/path  look-ups  ns/look-up  floor ns  over floor  reads  with them  over both"
+    titles += "  2 threads  estimates/s"
     print(f"{'':16}{titles}")
     for name, scene in scenes(size):
         row = against_floor(scene, args.rounds)
         row["two_threads"], row["estimates"] = (
             by_threads(replace(scene, size=(400, 300)), args.rounds), estimates(scene, args.rounds)
         )  # fmt: skip
+        row["stages"] = by_stage(scene)
         facts["scenes"][name] = row
         print(
             f"{name:16}{row['path_ns']:7.0f}{row['lookups']:10.1f}{row['lookup_ns']:12.1f}"
-            f"{row['floor_ns']:10.0f}{row['over_floor']:12.2f}{row['two_threads']:11.2f}"
-            f"{row['estimates']:13.1f}",
+            f"{row['floor_ns']:10.0f}{row['over_floor']:12.2f}{row['table_reads']:7.1f}"
+            f"{row['floor_with_tables_ns']:11.0f}{row['over_floor_with_tables']:11.2f}"
+            f"{row['two_threads']:11.2f}"
+            f"{row['estimates']:13.1f}\n{'':16}"
+            + ", ".join(f"{stage} {share:.0%}" for stage, share in row["stages"].items()),
             flush=True,
         )
     if args.largest:

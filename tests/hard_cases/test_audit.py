@@ -66,7 +66,7 @@ def test_one_per_cent_of_light_is_found():
 
 # Paths one by one, where they would go in step
 ONE_BY_ONE = (
-    "tiles.py", "    return compiled and all(effect is None for effect in others)\n",
+    "tiles.py", "    return COMPILED and all(effect is None for effect in others)\n",
     "    return False\n",
 )  # fmt: skip
 # Faults in the code: (file, what is there, what takes its place) of each change

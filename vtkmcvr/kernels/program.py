@@ -133,12 +133,17 @@ def run(made: Program, row_0: int, row_1: int, column_0: int, column_1: int) -> 
     """Bring every pixel of a tile up to its goal."""
     if row_0 >= row_1 or column_0 >= column_1:
         return
+    place(made, row_0, row_1, column_0, column_1)
+    status = run_steps(made.steps, made.again, made.end, made.room.numbers)
+    if status != 0:
+        raise RuntimeError(f"a kernel ended with status {status}; this is a fault of vtkmcvr")
+
+
+def place(made: Program, row_0: int, row_1: int, column_0: int, column_1: int) -> None:
+    """Put a program at the start of a tile."""
     numbers = made.room.numbers
     numbers[[ROW_0, ROW_1, COLUMN_0, COLUMN_1]] = row_0, row_1, column_0, column_1
     numbers[[ROW, COLUMN, SAMPLE, MOST]] = row_0, column_0, 0, made.most
-    status = run_steps(made.steps, made.again, made.end, numbers)
-    if status != 0:
-        raise RuntimeError(f"a kernel ended with status {status}; this is a fault of vtkmcvr")
 
 
 @intrinsic
