@@ -15,9 +15,8 @@ from vtkmcvr.work.sources import load_kernels
 
 def launched(function):
     """`jit.launched` without its on-disk cache."""
-    dispatcher = numba.njit(nogil=True, pipeline_class=LaunchedCompiler, **jit.KERNEL)(function)
-    dispatcher.__class__, dispatcher._addresses = Launched, {}
-    return dispatcher
+    options = {"nogil": True, "pipeline_class": LaunchedCompiler, **jit.KERNEL}
+    return Launched.of(numba.njit(**options)(function))
 
 
 # As in `kernels.jit`, without its on-disk cache

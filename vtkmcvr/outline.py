@@ -37,7 +37,7 @@ class _Known:
 def dark_pixels(scene: packed.Scene, shape: tuple[int, int]) -> NDArray[np.bool_]:
     """Pixels of a film, (H, W), whose paths are all black; it belongs to all who ask.
 
-    None in scenes with something around the volume, of panoramas and of two eyes.
+    No pixel is where something can be seen around the volume, in a panorama, or with two eyes.
     """
     if scene.more is not None or not dark_around(scene) or not one_eye(scene.camera):
         return np.zeros(shape, np.bool_)

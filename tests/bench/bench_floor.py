@@ -1,7 +1,5 @@
 """Time of a camera path against the bare look-ups that it makes, threads, size, estimates a second.
 
-And the shares of its stages.
-
     python tests/bench/bench_floor.py [--size 160x120] [--rounds 5] [--largest 1024] [--json FILE]
 
 The floor of a scene: the positions at which its paths look up the volume are written down, in order
@@ -28,10 +26,6 @@ import vtkmcvr
 from vtkmcvr.costs.study import machine
 from vtkmcvr.front import scene_of
 from vtkmcvr.kernels.grid import trilinear
-from vtkmcvr.kernels.launch import way_in
-from vtkmcvr.kernels.program import Due, place, program, steps_of
-from vtkmcvr.kernels.room import LIVE, TAKEN, new_room
-from vtkmcvr.outline import dark_pixels
 from vtkmcvr.plan import plan
 from vtkmcvr.rendering import empty_film, render_scene
 from vtkmcvr.schedule import default_threads
@@ -156,40 +150,6 @@ def against_floor(scene, rounds):
     }  # fmt: skip
 
 
-def by_stage(scene, samples=64):
-    """Share of each stage in the time of all, by the clock, one thread; {name: share}."""
-    planned = plan(scene)
-    film = empty_film(planned)
-    goal = np.full_like(film.count, samples)
-    height, width = film.count.shape
-    due = Due(goal, dark_pixels(planned.packed, film.count.shape), np.int64(0))
-    room = new_room()
-    parts = steps_of(film, planned.packed, due, room)
-    names = [stage.py_func.__name__ for part in parts for stage, _ in part]
-    made = program(film, planned.packed, due, room, {})
-    spent = dict.fromkeys(names, 0.0)
-
-    def step(k):
-        code, words = (int(address) for address in made.steps[k])
-        start = time.perf_counter()
-        way_in(code)(words)
-        spent[names[k]] += time.perf_counter() - start
-
-    place(made, 0, height, 0, width)
-    while True:
-        step(0)
-        if room.numbers[TAKEN] == 0:
-            break
-        for k in range(1, made.again):
-            step(k)
-        while made.end > made.again and room.numbers[LIVE] > 0:
-            for k in range(made.again, made.end):
-                step(k)
-        for k in range(made.end, len(names)):
-            step(k)
-    return {name: seconds / sum(spent.values()) for name, seconds in spent.items()}
-
-
 def by_threads(scene, rounds):
     """Speed of two threads over that of one, by the clock."""
     planned = plan(scene)
@@ -253,15 +213,13 @@ def main():
         row["two_threads"], row["estimates"] = (
             by_threads(replace(scene, size=(400, 300)), args.rounds), estimates(scene, args.rounds)
         )  # fmt: skip
-        row["stages"] = by_stage(scene)
         facts["scenes"][name] = row
         print(
             f"{name:16}{row['path_ns']:7.0f}{row['lookups']:10.1f}{row['lookup_ns']:12.1f}"
             f"{row['floor_ns']:10.0f}{row['over_floor']:12.2f}{row['table_reads']:7.1f}"
             f"{row['floor_with_tables_ns']:11.0f}{row['over_floor_with_tables']:11.2f}"
             f"{row['two_threads']:11.2f}"
-            f"{row['estimates']:13.1f}\n{'':16}"
-            + ", ".join(f"{stage} {share:.0%}" for stage, share in row["stages"].items()),
+            f"{row['estimates']:13.1f}",
             flush=True,
         )
     if args.largest:

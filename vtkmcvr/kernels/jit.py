@@ -154,10 +154,7 @@ def kernel(function: Callable):
 def launched(function: Callable):
     """`kernel` for one that takes a film and a scene: called by way of a block of words."""
     dispatcher = njit(nogil=True, pipeline_class=LaunchedCompiler, **KERNEL)(function)
-    if hasattr(dispatcher, "py_func"):
-        dispatcher.__class__ = Launched
-        dispatcher._addresses = {}
-    return _cached(dispatcher)
+    return _cached(Launched.of(dispatcher))
 
 
 def entry_point(function: Callable):

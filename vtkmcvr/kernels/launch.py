@@ -61,10 +61,18 @@ def taken_apart(value: Any, known: Known) -> tuple[types.Type, NDArray[np.int64]
 
 
 class Launched(CPUDispatcher):
-    """A kernel that takes its arguments as words."""
+    """A kernel that takes its arguments as words, compiled by `compilers.LaunchedCompiler`."""
 
     # By the identities of types, which are kept along
     _addresses: dict[tuple[int, ...], tuple[int, tuple[types.Type, ...]]]
+
+    @classmethod
+    def of(cls, dispatcher: CPUDispatcher) -> CPUDispatcher:
+        """Make one of Numba's dispatcher; where nothing is compiled, a function stays one."""
+        if hasattr(dispatcher, "py_func"):
+            dispatcher.__class__ = cls
+            dispatcher._addresses = {}
+        return dispatcher
 
     def __call__(self, *arguments: Any) -> None:
         """Run for these arguments, compiled for their types."""

@@ -33,6 +33,18 @@ def roulette(throughput, least, rng):
     return scale(throughput, least / most), rng
 
 
+@glue
+def scatter_on(scattering, scene, v, throughput, rng):
+    """Direction in which a path goes on from v. Returns (wi, throughput, density of wi, rng).
+
+    The throughput is 0 where Russian roulette ends the path.
+    """
+    wi, rng = sample_scatter(v, rng)
+    weight, pdf = scatter_weight_and_pdf(scene.choice, v, wi)
+    throughput, rng = roulette(mul(throughput, weight), scattering.roulette, rng)
+    return wi, throughput, pdf, rng
+
+
 @device
 def scattered_light(scattering, scene, v, rng):
     """Light that one event at v, or up to `scattering.most`, send back. Returns (L, rng).
@@ -52,9 +64,7 @@ def scattered_light(scattering, scene, v, rng):
         direct, rng = light_by_light(scene.choice, scene, v, rng)
         L = add(L, mul(throughput, add(v.emitted, direct)))
         # Next direction
-        wi, rng = sample_scatter(v, rng)
-        weight, pdf = scatter_weight_and_pdf(scene.choice, v, wi)
-        throughput, rng = roulette(mul(throughput, weight), scattering.roulette, rng)
+        wi, throughput, pdf, rng = scatter_on(scattering, scene, v, throughput, rng)
         if largest(throughput) <= ZERO:
             break
         # A light, or the next collision or receiver

@@ -1,8 +1,10 @@
 """Paths in step on the CPU, stage by stage: those of single and of multiple scattering.
 
-The same functions as in `path.radiance`, path by path, but for the walks through the medium, which
-`packets` makes for all paths at once. Each stage is a kernel, compiled and cached by itself, and
-takes the part of the scene that it needs: a new effect compiles the stages that know of it.
+What GPUs do to keep their threads alike ("wavefront" path tracing: Laine, Karras and Aila,
+"Megakernels considered harmful", HPG 2013) serves SIMD lanes, branch prediction and compilation
+here. The same functions as in `path.radiance`, path by path, but for the walks through the medium,
+which `packets` makes for all paths at once. Each stage is a kernel, compiled and cached by itself,
+and takes the part of the scene that it needs: a new effect compiles the stages that know of it.
 """
 
 import numpy as np
@@ -13,7 +15,7 @@ from .event import event_at, nearest_approach, receiver_ahead, way_through
 from .jit import device, glue, launched
 from .kept import keep, kept
 from .lights import light_seen
-from .path import WHITE, in_index, missed, roulette
+from .path import WHITE, in_index, missed, scatter_on
 from .room import (
     COLUMN,
     COLUMN_0,
@@ -46,7 +48,6 @@ from .room import (
     set_off,
 )  # fmt: skip
 from .sample import add_sample, camera_ray
-from .scatter import sample_scatter, scatter_weight_and_pdf
 from .vec import BLACK, add, at, largest, mul, narrow, scale, transform, wide
 from .visibility import blocked, shaded_interval
 
@@ -169,8 +170,8 @@ def meet(scene, room):
 
 
 @device
-def ask(room, i, v, drawn):
-    """Note the light that is drawn for path i."""
+def keep_drawn(room, i, v, drawn):
+    """Keep the light that is drawn for path i, and the way to it."""
     set_colour(room.drawn, i, drawn.f)
     keep(room.shadow, i, (v.x, v.p, drawn.wi, drawn.distance), no_shadow())
 
@@ -183,7 +184,7 @@ def by_light(scene, room):
         v = kept(room.vertex, i, no_vertex(scene.gloss, scene.phase))
         rng = random_of(scene.sobol, room, i)
         drawn, rng = draw_by_light(scene.choice, scene, v, rng)
-        ask(room, i, v, drawn)
+        keep_drawn(room, i, v, drawn)
         keep_random(rng.net, room, i, rng)
 
 
@@ -220,7 +221,7 @@ def by_scatter(scene, room):
         drawn, rng = draw_by_scatter(
             scene.ambient, scene.environment, scene.area_lights, scene, v, rng
         )
-        ask(room, i, v, drawn)
+        keep_drawn(room, i, v, drawn)
         keep_random(rng.net, room, i, rng)
 
 
@@ -236,9 +237,7 @@ def go_on(scattering, scene, room):
         rng = after_walk(scene.sobol, room, room.second, i)
         add_light(room, i, mul(throughput, add(v.emitted, light)))
         room.ray[i] = ENDED
-        wi, rng = sample_scatter(v, rng)
-        weight, pdf = scatter_weight_and_pdf(scene.choice, v, wi)
-        throughput, rng = roulette(mul(throughput, weight), scattering.roulette, rng)
+        wi, throughput, pdf, rng = scatter_on(scattering, scene, v, throughput, rng)
         if largest(throughput) <= ZERO:
             continue
         met, distance = light_met(scene, scene.choice, v, wi, pdf)
