@@ -177,7 +177,7 @@ def test_black_rectangle_still_blocks():
     black = RectangleLight((0, 0, 5), (0, 0, 0), (1, 1), 0.0)
     planned = plan(scene(lights=(black, DirectionalLight((0, 0, -1)))))
     assert planned.packed.area_lights is not None
-    assert planned.packed.light_tree is not None
+    assert planned.packed.all_lights is not None
 
 
 def test_everything_is_float32_but_the_camera_and_the_sampler():

@@ -93,6 +93,10 @@ BAD = {
     "filter width": (lambda: PixelFilter("box", 0), "width.*above 0"),
     "environment": (lambda: ConstantEnvironment(-1), "environment radiance.*negative"),
     "map shape": (lambda: EnvironmentMap(np.ones((4, 4))), r"\(rows, columns, 3\).*\(4, 4\)"),
+    "map too wide": (
+        lambda: EnvironmentMap(np.ones((1, 2**17 + 1, 3))),
+        r"at most 131072 rows and columns, got 1 x 131073; make it smaller",
+    ),
     "map NaN": (lambda: EnvironmentMap(np.full((1, 1, 3), NAN)), "finite and not negative"),
     "map negative": (lambda: EnvironmentMap(np.full((1, 1, 3), -1)), "finite and not negative"),
     "map scale": (lambda: EnvironmentMap(np.ones((1, 1, 3)), -2), "scale.*-2"),

@@ -60,12 +60,22 @@ def variance(picture):
 
 def evenly(planned):
     """The same plan with estimates that tell nothing: each light has the same chance everywhere."""
-    tree = planned.packed.light_tree
+    lights = planned.packed.all_lights
+    if lights.few is not None:
+        even = tuple(
+            node._replace(flux=np.float32(i < lights.count), law=np.int32(3))
+            for i, node in enumerate(lights.few)
+        )
+        return replace(
+            planned, packed=planned.packed._replace(all_lights=lights._replace(few=even))
+        )
+    tree = lights.tree
     ends = [row[2] >= 0 for row in tree.links]
     inside = [sum(ends[k : row[0]]) for k, row in enumerate(tree.links)]
     flux, law = np.array(inside, np.float32), np.full_like(tree.law, 3)
     flat = tree._replace(flux=flux, law=law)
-    return replace(planned, packed=planned.packed._replace(light_tree=flat))
+    flat = lights._replace(tree=flat)
+    return replace(planned, packed=planned.packed._replace(all_lights=flat))
 
 
 def measure(kind, surface, volume, size, samples, rounds):

@@ -48,7 +48,9 @@ def lower_majorants(planned):
 def brighter(planned):
     """Plan whose rectangle shines with 1 % more radiance."""
     lights = planned.packed.area_lights
-    lights = lights._replace(radiance=(lights.radiance * 1.01).astype(np.float32))
+    (lamp,) = lights.few
+    radiance = tuple(np.float32(1.01) * c for c in lamp.radiance)
+    lights = lights._replace(few=(lamp._replace(radiance=radiance),))
     return replace(planned, packed=planned.packed._replace(area_lights=lights))
 
 

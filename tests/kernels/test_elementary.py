@@ -33,6 +33,14 @@ def tabulate_unit(u):
     return out
 
 
+@entry_point
+def tabulate_angle(x, y):
+    out = np.empty(len(x), np.float32)
+    for i in range(len(x)):
+        out[i] = elementary.angle(x[i], y[i])
+    return out
+
+
 def test_decay_is_the_exponential():
     # The argument in halvings is rounded to float32: half a ulp of it is x ULP of the result
     x = REACH.astype(float)
@@ -76,3 +84,15 @@ def test_points_of_the_circle():
     quarter = np.pi / 4 * (2 * UNIT - f32(1)).astype(float)
     assert np.abs(found[:, 3] - np.cos(quarter)).max() < 4 * ULP
     assert np.abs(found[:, 4] - np.sin(quarter)).max() < 4 * ULP
+
+
+def test_angle():
+    turn = np.linspace(-np.pi, np.pi, 40_001)
+    for radius in (1e-18, 1.0, 1e18):
+        x, y = (radius * f(turn) for f in (np.cos, np.sin))
+        x, y = x.astype(f32), y.astype(f32)
+        exact = np.arctan2(y.astype(float), x.astype(float))
+        assert np.abs(tabulate_angle(x, y) - exact).max() < 4e-7
+    axes = np.array([(1, 0), (0, 1), (-1, 0), (0, -1), (0, 0), (1, 1e-30)], f32)
+    found = tabulate_angle(axes[:, 0].copy(), axes[:, 1].copy())
+    np.testing.assert_allclose(found, np.arctan2(axes[:, 1], axes[:, 0]), rtol=1e-6)

@@ -12,8 +12,9 @@ from scenes import scene, slab
 
 from vtkmcvr.kernels.grid import INFINITE
 from vtkmcvr.kernels.jit import entry_point
-from vtkmcvr.kernels.light_tree import choose_light, importance, light_chance
+from vtkmcvr.kernels.light_tree import choose_light, importance, light_chance, node
 from vtkmcvr.kernels.lights import (
+    area_light,
     area_light_distance,
     delta_sample,
     nearest_light,
@@ -76,19 +77,19 @@ def packed():
 
 
 @entry_point
-def chances(tree, x, on_surface, normal, n):
+def chances(lights, x, on_surface, normal, n):
     out = np.zeros(n, f32)
     for i in range(n):
-        out[i] = light_chance(tree, i, x, on_surface, normal)
+        out[i] = light_chance(lights, i, x, on_surface, normal)
     return out
 
 
 @entry_point
-def choices(tree, x, on_surface, normal, seed, n):
+def choices(lights, x, on_surface, normal, seed, n):
     out = np.empty(n, np.int64)
     chance = np.empty(n, f32)
     for k in range(n):
-        out[k], chance[k], _ = choose_light(tree, x, on_surface, normal, start(seed, k, 0))
+        out[k], chance[k], _ = choose_light(lights, x, on_surface, normal, start(seed, k, 0))
     return out, chance
 
 
@@ -96,27 +97,27 @@ def choices(tree, x, on_surface, normal, seed, n):
 def estimates(tree, x, on_surface, normal, n):
     out = np.zeros(n, f32)
     for i in range(n):
-        out[i] = importance(tree, np.int64(tree.leaf[i]), x, on_surface, normal)
+        out[i] = importance(node(tree, np.int64(tree.leaf[i])), x, on_surface, normal)
     return out
 
 
 @entry_point
-def contributions(choice, tree, area, delta, environment, x, on_surface, normal, only, seed, n):
+def contributions(choice, lights, area, delta, environment, x, on_surface, normal, only, seed, n):
     """Columns: light arriving (sum of RGB over density), cosine at the surface.
 
     From all lights, or from the light `only` alone.
     """
     out = np.empty((n, 2), f32)
-    count, one = len(area.kind), f32(1)
+    count, one = area.count, f32(1)
     for k in range(n):
         rng = start(seed, k, 0)
         if only < 0:
             light, _ = sample_light(
-                choice, tree, area, delta, environment, x, on_surface, normal, rng
+                choice, lights, area, delta, environment, x, on_surface, normal, rng
             )
         elif only < count:
             light, _ = sample_area_light(area, only, one, x, rng)
-        elif only < len(tree.leaf) - 1:
+        elif only < lights.count - 1:
             light = delta_sample(delta, only - count, one, x)
         else:
             light, _ = sample_map(environment, one, rng)
@@ -126,11 +127,11 @@ def contributions(choice, tree, area, delta, environment, x, on_surface, normal,
 
 
 @entry_point
-def nearest(tree, area, o, directions, for_camera):
+def nearest(lights, area, o, directions, for_camera):
     out = np.empty((len(directions), 2), np.float64)
     for k in range(len(directions)):
         d = (directions[k, 0], directions[k, 1], directions[k, 2])
-        out[k, 0], out[k, 1] = nearest_light(tree, area, o, d, for_camera)
+        out[k, 0], out[k, 1] = nearest_light(lights, area, o, d, for_camera)
     return out
 
 
@@ -140,8 +141,9 @@ def nearest_of_all(area, o, directions):
     for k in range(len(directions)):
         d = (directions[k, 0], directions[k, 1], directions[k, 2])
         best, index = INFINITE, -1
-        for i in range(len(area.kind)):
-            t = area_light_distance(area, i, o, d)
+        for i in range(area.count):
+            light = area_light(area.few, area.many, i)
+            t = area_light_distance(area.shapes, light, o, d)
             if t < best:
                 best, index = t, i
         out[k, 0], out[k, 1] = index, best
@@ -163,10 +165,10 @@ def places(n, seed=7):
 
 def test_chances_of_all_lights_sum_to_one(packed):
     # But for clusters that may reach x, of which no light does
-    n, full = len(packed.tree.leaf), 0
+    n, full = packed.all_lights.count, 0
     for x, on_surface, normal in places(200):
-        total = chances(packed.tree, x, on_surface, normal, n).sum()
-        _, chance = choices(packed.tree, x, on_surface, normal, SEED, 1000)
+        total = chances(packed.all_lights, x, on_surface, normal, n).sum()
+        _, chance = choices(packed.all_lights, x, on_surface, normal, SEED, 1000)
         dead = max(1 - total, 0)
         # Binomial; 4.5 standard errors in 200 places are exceeded once in 700 choices of seeds
         error = np.sqrt(max(dead * (1 - dead), 2e-3) / 1000)
@@ -177,10 +179,10 @@ def test_chances_of_all_lights_sum_to_one(packed):
 
 @pytest.mark.parametrize("on_surface", [False, True])
 def test_lights_are_chosen_as_often_as_is_said(packed, on_surface):
-    n, draws = len(packed.tree.leaf), 100_000
+    n, draws = packed.all_lights.count, 100_000
     for x, _, normal in places(8):
-        expected = chances(packed.tree, x, on_surface, normal, n).astype(float)
-        found, chance = choices(packed.tree, x, on_surface, normal, SEED, draws)
+        expected = chances(packed.all_lights, x, on_surface, normal, n).astype(float)
+        found, chance = choices(packed.all_lights, x, on_surface, normal, SEED, draws)
         some = chance > 0
         np.testing.assert_allclose(chance[some], expected[found[some]], rtol=1e-4)
         counts = np.append(np.bincount(found[some], minlength=n), draws - some.sum())
@@ -191,22 +193,63 @@ def test_lights_are_chosen_as_often_as_is_said(packed, on_surface):
 def sent(p, x, on_surface, normal, only=-1, n=200):
     """Irradiance (or fluence) estimates at x."""
     rows = contributions(
-        p.choice, p.tree, p.area_lights, p.delta_lights, p.environment,
+        p.choice, p.all_lights, p.area_lights, p.delta_lights, p.environment,
         x, on_surface, normal, only, SEED, n,
     ).astype(float)  # fmt: skip
     return rows[:, 0] * (np.maximum(rows[:, 1], 0) if on_surface else 1)
 
 
 def test_whatever_sends_light_is_estimated_to_do_so(packed):
-    n, found = len(packed.tree.leaf), 0
+    n, found = packed.all_lights.count, 0
     for x, on_surface, normal in places(30):
-        estimate = estimates(packed.tree, x, on_surface, normal, n)
+        estimate = estimates(packed.all_lights.tree, x, on_surface, normal, n)
         for i in range(n):
             light = sent(packed, x, on_surface, normal, i)
             # What comes from within rounding of the horizon may be left to the even share
-            assert estimate[i] > 0 or light.max() <= 2e-3 * max(packed.tree.flux)
+            assert estimate[i] > 0 or light.max() <= 2e-3 * max(packed.all_lights.tree.flux)
             found += light.max() > 0
     assert found > 500
+
+
+def few_lights():
+    """Three, of which kernels ask each and a black one beside them."""
+    return pack([
+        RectangleLight((0, 1.5, 2), (0, 0, 0), (1, 1), 3.0), PointLight((2, 0, 0), 0.5),
+        EnvironmentMap(np.ones((1, 1, 3)) * 0.1),
+    ])  # fmt: skip
+
+
+@pytest.mark.parametrize("on_surface", [False, True])
+def test_a_few_lights_are_chosen_as_often_as_is_said(on_surface):
+    lights, draws = few_lights().all_lights, 100_000
+    assert lights.tree is None and len(lights.few) == 4
+    for x, _, normal in places(8):
+        expected = chances(lights, x, on_surface, normal, 3).astype(float)
+        # The map reaches every place
+        assert expected.sum() == pytest.approx(1, abs=1e-5)
+        found, chance = choices(lights, x, on_surface, normal, SEED, draws)
+        np.testing.assert_allclose(chance, expected[found], rtol=1e-4)
+        counts = np.bincount(found, minlength=3)
+        assert len(counts) == 3
+        assert p_value(counts, draws * expected / expected.sum()) > 1e-3 / 16
+
+
+def test_choice_among_a_few_is_unbiased():
+    p = few_lights()
+    for x, on_surface, normal in places(8, seed=1):
+        mean, _, total, _, error = compare(p, x, on_surface, normal)
+        assert abs(mean - total) < 4.5 * error
+
+
+def test_no_light_is_chosen_where_none_reaches():
+    # Beside the even share, which takes a tenth of the draws
+    lights = pack([RectangleLight((0, 0, 2), (0, 0, 9), (1, 1), 3.0)]).all_lights
+    x, normal = (f32(0), f32(0), f32(0)), (f32(0), f32(0), f32(1))
+    assert chances(lights, x, True, normal, 1)[0] == pytest.approx(0.1)
+    found, chance = choices(lights, x, True, normal, SEED, 10_000)
+    assert not found.any()
+    # Binomial: 4.5 standard deviations
+    assert abs(np.mean(chance > 0) - 0.1) < 4.5 * math.sqrt(0.09 / 10_000)
 
 
 def moments(light):
@@ -216,7 +259,7 @@ def moments(light):
 def compare(packed, x, on_surface, normal, n=100_000):
     """Mean and variance with the tree; the same for the sum over all lights chosen evenly."""
     mean, variance = moments(sent(packed, x, on_surface, normal, n=n))
-    count = len(packed.tree.leaf)
+    count = packed.all_lights.count
     alone = [moments(sent(packed, x, on_surface, normal, i, n // 10)) for i in range(count)]
     total = sum(m for m, _ in alone)
     even = count * sum(v + m * m for m, v in alone) - total**2
@@ -259,27 +302,34 @@ def test_tree_finds_the_light_that_a_ray_meets(packed):
     for x, _, _ in places(20):
         d = np.random.default_rng(1).normal(size=(2000, 3))
         d = (d / np.linalg.norm(d, axis=1)[:, None]).astype(f32)
-        ours, all_ = nearest(packed.tree, area, x, d, False), nearest_of_all(area, x, d)
+        ours, all_ = nearest(packed.all_lights, area, x, d, False), nearest_of_all(area, x, d)
         np.testing.assert_array_equal(ours[:, 0], all_[:, 0])
         np.testing.assert_allclose(ours[:, 1], all_[:, 1], rtol=1e-4)
         met += (ours[:, 0] >= 0).sum()
-        assert (nearest(packed.tree, area, x, d, True)[:, 0] == -1).all()
+        assert (nearest(packed.all_lights, area, x, d, True)[:, 0] == -1).all()
     assert met > 1000
 
 
 def test_depth_grows_with_the_logarithm_of_the_number_of_lights():
     rng = np.random.default_rng(0)
-    for n in (1, 2, 64, 1000):
+    for n in (5, 6, 64, 1000):
         lights = [PointLight(tuple(p)) for p in rng.normal(size=(n, 3))]
-        links = pack(lights).tree.links
-        depth = 0
-        for k in pack(lights).tree.leaf:
+        tree = pack(lights).all_lights.tree
+        links, depth = tree.links, 0
+        for k in tree.leaf:
             steps = 0
             while k > 0:
                 k, steps = links[k, 1], steps + 1
             depth = max(depth, steps)
         assert len(links) == 2 * n - 1
         assert depth <= 2 * np.ceil(np.log2(n))
+
+
+def numbers(part):
+    """All numbers of a packed tuple."""
+    if isinstance(part, tuple):
+        return [x for inner in part for x in numbers(inner)]
+    return [] if part is None else np.ravel(part).astype(float).tolist()
 
 
 def test_lights_that_coincide_are_one():
@@ -292,9 +342,6 @@ def test_lights_that_coincide_are_one():
         one, many = pack([light]), pack([light.with_brightness(np.array(light.brightness) / 8)] * 8)
         assert "7 lights coincide" in many.notes[0]
         assert one.notes == ()
-        for name in ("area_lights", "delta_lights", "tree"):
-            a, b = getattr(one, name), getattr(many, name)
-            if a is not None:
-                for x, y in zip(a, b, strict=True):
-                    if isinstance(x, np.ndarray):
-                        np.testing.assert_allclose(x, y, rtol=1e-6)
+        for name in ("area_lights", "delta_lights", "all_lights"):
+            a, b = numbers(getattr(one, name)), numbers(getattr(many, name))
+            np.testing.assert_allclose(a, b, rtol=1e-6)

@@ -47,7 +47,7 @@ def draw_by_light(choice, scene, v, rng):
     if not choice.by_light:
         return NOTHING_DRAWN, rng
     light, rng = sample_light(
-        choice, scene.light_tree, scene.area_lights, scene.delta_lights, scene.environment,
+        choice, scene.all_lights, scene.area_lights, scene.delta_lights, scene.environment,
         v.x, v.on_surface, v.normal, rng,
     )  # fmt: skip
     if largest(light.radiance) <= ZERO:
@@ -56,7 +56,7 @@ def draw_by_light(choice, scene, v, rng):
     f = mul(value, light.radiance)
     if largest(f) <= ZERO:
         return NOTHING_DRAWN, rng
-    if blocked(scene.light_tree, scene.area_lights, v.x, light):
+    if blocked(scene.all_lights, scene.area_lights, v.x, light):
         return NOTHING_DRAWN, rng
     # Delta lights have no density: nothing else draws their directions
     if choice.by_scatter and light.pdf > ZERO:
@@ -79,31 +79,31 @@ def light_by_light(choice, scene, v, rng):
 @glue
 def light_met(scene, choice, v, wi, pdf):
     """Weighted radiance that a ray along wi, drawn at v with density pdf, meets; the distance."""
-    tree, lights = scene.light_tree, scene.area_lights
-    index, distance = nearest_light(tree, lights, v.x, wi, False)
+    all_lights, lights = scene.all_lights, scene.area_lights
+    index, distance = nearest_light(all_lights, lights, v.x, wi, False)
     if index >= 0:
         L = area_light_radiance(lights, index, v.x, wi, distance)
-        other = light_pdf(tree, lights, index, v.x, v.on_surface, v.normal, wi, distance)
+        other = light_pdf(all_lights, lights, index, v.x, v.on_surface, v.normal, wi, distance)
         return weighted(choice, L, pdf, other), distance
-    L = map_met(scene.environment, choice, tree, v, wi, pdf)
+    L = map_met(scene.environment, choice, all_lights, v, wi, pdf)
     return add(ambient_radiance(scene.ambient, wi), L), distance
 
 
 @device
-def map_met(environment, choice, tree, v, wi, pdf):
+def map_met(environment, choice, all_lights, v, wi, pdf):
     """Weighted radiance of the environment map along wi, drawn at v with density pdf."""
     if environment is None:
         return BLACK
     L = environment_radiance(environment, wi)
-    return weighted(choice, L, pdf, map_pdf(choice, tree, environment, v, wi))
+    return weighted(choice, L, pdf, map_pdf(choice, all_lights, environment, v, wi))
 
 
 @device
-def map_pdf(choice, tree, environment, v, wi):
+def map_pdf(choice, all_lights, environment, v, wi):
     """Density with which light sampling draws wi from the environment map, selection included."""
     if choice is None:
         return ZERO
-    chance = light_chance(tree, choice.environment, v.x, v.on_surface, v.normal)
+    chance = light_chance(all_lights, choice.environment, v.x, v.on_surface, v.normal)
     return chance * environment_pdf(environment, wi)
 
 

@@ -9,13 +9,17 @@ import math
 
 import numpy as np
 
+from ..packed import MOST_TEXELS
+from .elementary import angle, on_circle
 from .jit import device
 from .rng import stratified_pair
 from .vec import BLACK, add, dot, scale, transform
 from .warp import HALF_PI, PI, TWO_PI
 
-f32 = np.float32
+f32, i32 = np.float32, np.int32
 ZERO, HALF, ONE = f32(0.0), f32(0.5), f32(1.0)
+# Halvings of a table that leave one step of it, for as many entries as a map may have
+HALVINGS = MOST_TEXELS.bit_length() - 1
 
 
 @device
@@ -41,9 +45,16 @@ def map_position(environment, d):
     """Column and row (texel units, continuous) of a world direction."""
     rows, columns, _ = environment.pixels.shape
     local = transform(environment.local_from_world, d)
-    phi = math.atan2(local[0], -local[2]) / TWO_PI
-    theta = math.acos(min(max(local[1], -ONE), ONE)) / PI
-    return (phi - f32(math.floor(phi))) * f32(columns), theta * f32(rows)
+    phi = angle(-local[2], local[0])
+    phi = phi + TWO_PI if phi < ZERO else phi
+    theta = angle(local[1], math.sqrt(local[0] * local[0] + local[2] * local[2]))
+    return phi / TWO_PI * f32(columns), theta / PI * f32(rows)
+
+
+@device
+def texel_of(x, n):
+    """Number of the texel at position x >= 0 along a side of n."""
+    return min(i32(x), i32(n - 1))
 
 
 @device
@@ -55,13 +66,11 @@ def environment_radiance(environment, d):
     rows, columns, _ = pixels.shape
     x, y = map_position(environment, d)
     x = x - HALF
-    if x < ZERO:
-        x += f32(columns)
+    x = x + f32(columns) if x < ZERO else x
     y = min(max(y - HALF, ZERO), f32(rows - 1))
-    i = min(int(x), columns - 1)
-    j = min(int(y), rows - 1)
-    i1 = i + 1 if i + 1 < columns else 0
-    j1 = min(j + 1, rows - 1)
+    i, j = texel_of(x, columns), texel_of(y, rows)
+    i1 = i + i32(1) if i + 1 < columns else i32(0)
+    j1 = min(j + i32(1), i32(rows - 1))
     fx, fy = x - f32(i), y - f32(j)
     a, b = (ONE - fx) * (ONE - fy), fx * (ONE - fy)
     c, e = (ONE - fx) * fy, fx * fy
@@ -75,12 +84,11 @@ def environment_radiance(environment, d):
 @device
 def texel_density(environment, j, i):
     """Density per steradian inside texel (row j, column i)."""
-    rows, columns, _ = environment.pixels.shape
+    _, columns, _ = environment.pixels.shape
     chance = environment.row_cdf[j + 1] - environment.row_cdf[j]
     chance *= environment.column_cdf[j, i + 1] - environment.column_cdf[j, i]
-    top = math.cos(PI * f32(j) / f32(rows))
-    bottom = math.cos(PI * f32(j + 1) / f32(rows))
-    return chance * f32(columns) / (TWO_PI * (top - bottom))
+    height = environment.row_edge[j] - environment.row_edge[j + 1]
+    return chance * f32(columns) / (TWO_PI * height)
 
 
 @device
@@ -90,19 +98,20 @@ def environment_pdf(environment, d):
         return ZERO
     rows, columns, _ = environment.pixels.shape
     x, y = map_position(environment, d)
-    return texel_density(environment, min(int(y), rows - 1), min(int(x), columns - 1))
+    return texel_density(environment, texel_of(y, rows), texel_of(x, columns))
 
 
 @device
 def cdf_index(cdf, u):
-    """Index i with cdf[i] <= u < cdf[i + 1], and the fraction of u inside that step."""
-    lo, hi = 0, len(cdf) - 1
-    while hi - lo > 1:
-        middle = (lo + hi) // 2
-        if cdf[middle] <= u:
-            lo = middle
-        else:
-            hi = middle
+    """Index i with cdf[i] <= u < cdf[i + 1], and the fraction of u inside that step.
+
+    Always as many halvings, so that they can go in lanes.
+    """
+    lo, hi = i32(0), i32(len(cdf) - 1)
+    for _ in range(HALVINGS):
+        middle = (lo + hi) >> i32(1)
+        below = cdf[middle] <= u
+        lo, hi = middle if below else lo, hi if below else middle
     step = cdf[lo + 1] - cdf[lo]
     fraction = (u - cdf[lo]) / step if step > ZERO else HALF
     return lo, min(max(fraction, ZERO), ONE)
@@ -111,15 +120,14 @@ def cdf_index(cdf, u):
 @device
 def sample_environment(environment, rng):
     """Direction drawn by radiance. Returns (wi, radiance, density, rng)."""
-    rows, columns, _ = environment.pixels.shape
+    _, columns, _ = environment.pixels.shape
     rng, u, v = stratified_pair(rng)
     j, fy = cdf_index(environment.row_cdf, u)
     i, fx = cdf_index(environment.column_cdf[j], v)
     # Uniform in solid angle inside the texel
-    top = math.cos(PI * f32(j) / f32(rows))
-    bottom = math.cos(PI * f32(j + 1) / f32(rows))
+    top, bottom = environment.row_edge[j], environment.row_edge[j + 1]
     y = top + (bottom - top) * fy
     r = math.sqrt(max(ZERO, ONE - y * y))
-    phi = TWO_PI * (f32(i) + fx) / f32(columns)
-    wi = transform(environment.world_from_local, (r * math.sin(phi), y, -r * math.cos(phi)))
+    c, s = on_circle((f32(i) + fx) / f32(columns))
+    wi = transform(environment.world_from_local, (r * s, y, -r * c))
     return wi, environment_radiance(environment, wi), texel_density(environment, j, i), rng

@@ -113,7 +113,7 @@ def radiance(scene, origin, d, end, rng):
     far away or a volume far from the world's origin costs no precision (HC-08).
     """
     o_index, d_index = in_index(scene.camera, origin, d)
-    index, distance = light_seen(scene.light_tree, scene.area_lights, narrow(origin), d)
+    index, distance = light_seen(scene.all_lights, scene.area_lights, narrow(origin), d)
     shift = nearest_approach(scene.receivers, origin, d)
     t, v, rng = next_event(scene, origin, d, o_index, d_index, shift, min(distance, end), rng)
     if t < 0.0:

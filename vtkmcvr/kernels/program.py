@@ -28,9 +28,9 @@ INT, LONG = ir.IntType(32), ir.IntType(64)
 
 # Parts of a packed scene that stages take, and fields of `packed.Scene` that they read
 VERTEX, RECEIVERS = "gloss phase sobol", "receivers mesh"
-LIGHTS = "choice light_tree area_lights environment"
+LIGHTS = "choice all_lights area_lights environment"
 BeginPart = namedtuple(
-    "BeginPart", f"camera lens sobol backdrop medium {RECEIVERS} light_tree area_lights"
+    "BeginPart", f"camera lens sobol backdrop medium {RECEIVERS} all_lights area_lights"
 )
 MeetPart = namedtuple(
     "MeetPart", f"{VERTEX} {RECEIVERS} camera medium transfer surface normal_map more marching"

@@ -169,7 +169,7 @@ def add_light(room, i, light):
 @device
 def no_end():
     """Direction of a camera ray, where it ends, light that it meets and the distance to it."""
-    return NOWHERE, (0.0, i32(0), i32(0), i32(0)), i64(-1), ZERO
+    return NOWHERE, (0.0, i32(0), i32(0), i32(0)), i32(-1), ZERO
 
 
 @device

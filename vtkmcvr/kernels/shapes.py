@@ -19,7 +19,7 @@ from .warp import PI, TWO_PI, uniform_sphere
 
 f32 = np.float32
 ZERO, ONE, TWO, FOUR = f32(0.0), f32(1.0), f32(2.0), f32(4.0)
-RECTANGLE, DISK, SPHERE, CYLINDER = 0, 1, 2, 3
+RECTANGLE, DISK, SPHERE, CYLINDER = map(np.int32, range(4))
 
 
 # Where a ray meets it
@@ -108,8 +108,10 @@ def sphere_cap(size, o):
 
 
 @device
-def visible_arc(size, two_sided, o):
+def visible_arc(cylinders, size, two_sided, o):
     """Half angle of the tube's outer side that can be seen from o; all around where both emit."""
+    if cylinders is None:
+        return PI
     away = math.sqrt(o[0] * o[0] + o[1] * o[1])
     if two_sided or away <= size[0]:
         return PI
@@ -124,7 +126,7 @@ def extent(shapes, kind, size, two_sided, o):
             return FOUR * PI, ZERO
         return TWO_PI * sphere_cap(size, o), ZERO
     if kind == CYLINDER:
-        return ZERO, FOUR * visible_arc(size, two_sided, o) * size[0] * size[2]
+        return ZERO, FOUR * visible_arc(shapes.cylinders, size, two_sided, o) * size[0] * size[2]
     if kind == DISK:
         return ZERO, PI * (size[0] * size[0] - size[1] * size[1])
     return rectangle_solid_angle(shapes.near_rectangles, size, o), FOUR * size[0] * size[1]
@@ -195,7 +197,7 @@ def sample_cylinder(cylinders, size, two_sided, o, u, v):
     """Uniform over the part of the tube that can be seen."""
     if cylinders is None:
         return BLACK, ZERO
-    phi = math.atan2(o[1], o[0]) + (TWO * u - ONE) * visible_arc(size, two_sided, o)
+    phi = math.atan2(o[1], o[0]) + (TWO * u - ONE) * visible_arc(cylinders, size, two_sided, o)
     z = (TWO * v - ONE) * size[2]
     return toward(o, (size[0] * math.cos(phi), size[0] * math.sin(phi), z))
 

@@ -109,7 +109,7 @@ def begin(count, due, scene, room):
     for i in range(n):
         row, column, sample = room.sample[i, 0], room.sample[i, 1], room.sample[i, 2]
         origin, d, stop, rng = camera_ray(count.shape[1], scene, row, column, sample, due.seed)
-        light, distance = light_seen(scene.light_tree, scene.area_lights, narrow(origin), d)
+        light, distance = light_seen(scene.all_lights, scene.area_lights, narrow(origin), d)
         keep(room.ahead, i, (d, stop, light, distance), no_end())
         o_index, d_index = in_index(scene.camera, origin, d)
         shift = nearest_approach(scene.receivers, origin, d)

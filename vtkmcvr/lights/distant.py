@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import checks
+from ..packed import MOST_TEXELS
 from .base import Light, Vector
 
 
@@ -79,6 +80,11 @@ class EnvironmentMap(Light):
         pixels = np.asarray(self.pixels, np.float32)
         if pixels.ndim != 3 or pixels.shape[2] != 3 or min(pixels.shape[:2]) < 1:
             raise ValueError(f"an environment map has shape (rows, columns, 3), got {pixels.shape}")
+        if max(pixels.shape[:2]) > MOST_TEXELS:
+            raise ValueError(
+                f"an environment map has at most {MOST_TEXELS} rows and columns, got "
+                f"{pixels.shape[0]} x {pixels.shape[1]}; make it smaller"
+            )
         if not np.isfinite(pixels).all() or pixels.min() < 0:
             raise ValueError("an environment map must be finite and not negative")
         checks.number("environment scale", self.scale, least=0.0)

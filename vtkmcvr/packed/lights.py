@@ -18,12 +18,17 @@ class Ambient(NamedTuple):
     gradient: Gradient | None
 
 
+# Along a side of an environment map
+MOST_TEXELS = 2**17
+
+
 class Environment(NamedTuple):
     """Environment map in latitude-longitude form, importance-sampled by radiance."""
 
     pixels: NDArray[np.float32]  # (rows, columns, 3), row 0 at the local +y pole
     row_cdf: NDArray[np.float32]  # (rows + 1,)
     column_cdf: NDArray[np.float32]  # (rows, columns + 1)
+    row_edge: NDArray[np.float32]  # (rows + 1,) cosine of the angle from the pole
     local_from_world: Matrix
     world_from_local: Matrix
 
@@ -50,19 +55,43 @@ class LightTextures(NamedTuple):
     layout: NDArray[np.int32]  # (n, 3) first texel, rows, columns; rows 0: no texture
 
 
-class AreaLights(NamedTuple):
-    """Surfaces that emit. They block light, also with their dark side.
+class AreaLight(NamedTuple):
+    """A surface that emits: a canonical one in the frame of its unit axes u, v, w.
 
-    Each one is a canonical surface in the frame of its unit axes u, v, w around its centre; see
-    `kernels.shapes`.
+    See `kernels.shapes`.
     """
 
-    kind: NDArray[np.int32]  # (n,) 0 rectangle, 1 disk, 2 sphere, 3 cylinder
+    kind: np.int32  # 0 rectangle, 1 disk, 2 sphere, 3 cylinder
+    centre: Vector
+    u: Vector
+    v: Vector
+    w: Vector
+    size: Vector
+    radiance: Vector
+    two_sided: np.bool_
+    visible: np.bool_  # camera rays see it
+
+
+class LightRows(NamedTuple):
+    """Surfaces that emit, as tables; see `AreaLight`."""
+
+    kind: NDArray[np.int32]  # (n,)
     frame: NDArray[np.float32]  # (n, 4, 3) centre, u, v, w
     size: NDArray[np.float32]  # (n, 3)
     radiance: NDArray[np.float32]  # (n, 3)
     two_sided: NDArray[np.bool_]  # (n,)
-    visible: NDArray[np.bool_]  # (n,) camera rays see it
+    visible: NDArray[np.bool_]  # (n,)
+
+
+class AreaLights(NamedTuple):
+    """Surfaces that emit. They block light, also with their dark side.
+
+    A few are values, for which kernels read no memory; black ones make up their number.
+    """
+
+    count: np.int32
+    few: tuple[AreaLight, ...] | None
+    many: LightRows | None
     shapes: Shapes
     textures: LightTextures | None
     seen: Present | None  # some are visible
@@ -79,24 +108,48 @@ class DeltaLights(NamedTuple):
     cone: NDArray[np.float32]  # (n, 2), cosine of the cone's half angle, exponent of its falloff
 
 
+class LightNode(NamedTuple):
+    """A light as it is chosen, or a cluster of them."""
+
+    centre: Vector  # of a sphere around the cluster
+    radius: np.float32  # of that sphere; < 0: no ray meets it
+    axis: Vector  # of emission
+    spread: np.float32  # cosine of the largest angle between the axis and a light's own axis
+    reach: np.float32  # cosine of the largest angle to its own axis under which a light emits
+    flux: np.float32  # irradiance, at unit distance where it decays
+    within: np.float32  # irradiance in the volume, on average
+    law: np.int32  # how flux becomes irradiance; see `kernels.light_tree`
+
+
 class LightTree(NamedTuple):
-    """All lights (area, then delta, then the map) as a binary tree in depth-first order.
+    """Many lights as a binary tree in depth-first order: see `LightNode`.
 
     The first child of node k is node k + 1. The tree chooses a light by estimated contribution, and
     finds the area lights that a ray meets.
     """
 
-    bound: NDArray[np.float32]  # (m, 4) sphere around the cluster; radius < 0: no ray meets it
-    cone: NDArray[np.float32]  # (m, 5) axis of emission, cosines of its spread and of its reach
-    flux: NDArray[np.float32]  # (m,) irradiance, at unit distance where it decays
-    within: NDArray[np.float32]  # (m,) irradiance in the volume, on average
-    law: NDArray[np.int32]  # (m,) how flux becomes irradiance; see `kernels.light_tree`
+    bound: NDArray[np.float32]  # (m, 4) centre and radius
+    cone: NDArray[np.float32]  # (m, 5) axis, spread, reach
+    flux: NDArray[np.float32]  # (m,)
+    within: NDArray[np.float32]  # (m,)
+    law: NDArray[np.int32]  # (m,)
     links: NDArray[np.int32]  # (m, 3) next node beyond the cluster, parent, light of a leaf or -1
     leaf: NDArray[np.int32]  # (n,) node of each light
 
 
+class LightSet(NamedTuple):
+    """All lights (area, then delta, then the map), to choose from.
+
+    Of a few, each is asked; black ones make up their number.
+    """
+
+    count: np.int32
+    few: tuple[LightNode, ...] | None
+    tree: LightTree | None
+
+
 class LightChoice(NamedTuple):
-    """How directions toward the lights of the tree are drawn."""
+    """How directions toward the lights are drawn."""
 
     environment: np.int32  # index of the environment map, -1 without
     by_light: np.bool_  # sample directions by the lights

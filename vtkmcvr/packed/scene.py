@@ -10,7 +10,7 @@ from .backdrop import Backdrop
 from .basics import Matrix64, Vector64
 from .camera import Camera, Lens, Sobol
 from .geometry import Mesh, Receivers
-from .lights import Ambient, AreaLights, DeltaLights, Environment, LightChoice, LightTree
+from .lights import Ambient, AreaLights, DeltaLights, Environment, LightChoice, LightSet
 from .scattering import (
     Gloss,
     Marching,
@@ -53,7 +53,7 @@ class Scene(NamedTuple):
     environment: Environment | None
     area_lights: AreaLights | None
     delta_lights: DeltaLights | None
-    light_tree: LightTree | None
+    all_lights: LightSet | None
     choice: LightChoice | None
     environment_visible: np.bool_
     normal_map: NormalMap | None

@@ -11,11 +11,14 @@ from numpy.typing import NDArray
 from .. import packed
 from ..lights import AreaLight, Texture
 from ..lights.patch import Patch
-from ..pack import f32
+from ..pack import f32, vector
 from ..volume import Volume
-from .light_tree import DECAYING, LUMINANCE, Leaf
+from .light_tree import DECAYING, LUMINANCE, Leaf, few_of
 
 KINDS = ("rectangle", "disk", "sphere", "cylinder")
+_NOWHERE = (f32(0), f32(0), f32(0))
+# A rectangle that no ray meets
+NOTHING = packed.AreaLight(np.int32(0), *[_NOWHERE] * 6, two_sided=np.False_, visible=np.False_)
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,23 +64,35 @@ def pack_area_lights(emitters: list[Emitter], volume: Volume) -> packed.AreaLigh
     if not emitters:
         return None
     patches = [emitter.patch for emitter in emitters]
-    frames = [np.vstack([patch.centre - volume.centre, patch.axes]) for patch in patches]
     kinds = [patch.kind for patch in patches]
     near = sum(patch.kind == "rectangle" and _is_near(patch, volume) for patch in patches)
     shapes = packed.Shapes(
         _present(near), *(_present(kinds.count(kind)) for kind in KINDS if kind != "rectangle")
     )
+    few = few_of([_values(emitter, volume) for emitter in emitters], NOTHING)
     return packed.AreaLights(
-        np.array([KINDS.index(kind) for kind in kinds], np.int32),
-        np.ascontiguousarray(frames, f32),
-        np.ascontiguousarray([patch.size for patch in patches], f32),
-        np.ascontiguousarray([emitter.radiance for emitter in emitters], f32),
-        np.array([emitter.two_sided for emitter in emitters], np.bool_),
-        np.array([emitter.visible for emitter in emitters], np.bool_),
-        shapes,
-        _textures(emitters),
-        _present(sum(emitter.visible for emitter in emitters)),
-    )
+        np.int32(len(emitters)), few, None if few else _rows(emitters, volume), shapes,
+        _textures(emitters), _present(sum(emitter.visible for emitter in emitters)),
+    )  # fmt: skip
+
+
+def _values(emitter: Emitter, volume: Volume) -> packed.AreaLight:
+    patch = emitter.patch
+    return packed.AreaLight(
+        np.int32(KINDS.index(patch.kind)), vector(patch.centre - volume.centre),
+        *map(vector, patch.axes), vector(np.asarray(patch.size)), vector(emitter.radiance),
+        np.bool_(emitter.two_sided), np.bool_(emitter.visible),
+    )  # fmt: skip
+
+
+def _rows(emitters: list[Emitter], volume: Volume) -> packed.LightRows:
+    lights = [_values(emitter, volume) for emitter in emitters]
+    frames = [(x.centre, x.u, x.v, x.w) for x in lights]
+    return packed.LightRows(
+        np.array([x.kind for x in lights]), np.array(frames), np.array([x.size for x in lights]),
+        np.array([x.radiance for x in lights]), np.array([x.two_sided for x in lights]),
+        np.array([x.visible for x in lights]),
+    )  # fmt: skip
 
 
 def _present(count: int) -> packed.Present | None:
@@ -106,7 +121,7 @@ def _textures(emitters: list[Emitter]) -> packed.LightTextures | None:
 
 
 def area_leaf(emitter: Emitter, centre: NDArray) -> Leaf:
-    """Bounds of one surface for the light tree."""
+    """What the choice of a light knows of one surface."""
     patch = emitter.patch
     colour = (
         emitter.radiance if emitter.texture is None else emitter.radiance * emitter.texture.mean

@@ -45,6 +45,7 @@ def pack_map(light: EnvironmentMap) -> packed.Environment:
         pixels,
         _cdf(weight.sum(axis=1)),
         np.ascontiguousarray([_cdf(row) for row in weight], f32),
+        np.ascontiguousarray(edges, f32),
         matrix(local_from_world),
         matrix(local_from_world.T),
     )
@@ -59,6 +60,6 @@ def _cdf(weight: NDArray) -> NDArray[np.float32]:
 
 
 def map_leaf(light: EnvironmentMap) -> Leaf:
-    """What the light tree knows of a map."""
+    """What the choice of a light knows of a map."""
     mean = float((light.pixels.mean(axis=(0, 1)) @ LUMINANCE) * light.scale)
     return Leaf(AROUND, math.pi * max(mean, 1e-30))

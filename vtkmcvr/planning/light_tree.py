@@ -1,15 +1,16 @@
-"""Binary tree over the lights of a scene; see `kernels.light_tree`."""
+"""The lights of a scene to choose from, many as a binary tree; see `kernels.light_tree`."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import packed
-from ..pack import f32
+from ..pack import f32, vector
 
 # How flux becomes irradiance, as in `kernels.light_tree`
 DECAYING, STEADY, DISTANT, AROUND = range(4)
@@ -17,6 +18,13 @@ LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 # Of a light that faces away: it may still be in sight of some places
 LEAST_COSINE = 0.02
 NEAR = 0.05
+# Lengths of the lists of lights of which each is asked
+FEW = 1, 2, 4
+Light = TypeVar("Light")
+_NOWHERE = (f32(0), f32(0), f32(0))
+NOTHING = packed.LightNode(
+    _NOWHERE, f32(-1), _NOWHERE, f32(-1), f32(-1), f32(0), f32(0), np.int32(AROUND)
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,8 +78,8 @@ class _Node:
     parts: tuple[_Node, ...] = ()
 
 
-def build_tree(leaves: list[Leaf], places: NDArray) -> packed.LightTree:
-    """Tree of all lights; those of one law are clustered by place or direction.
+def pack_set(leaves: list[Leaf], places: NDArray) -> packed.LightSet:
+    """All lights, to choose from.
 
     Parameters
     ----------
@@ -80,7 +88,25 @@ def build_tree(leaves: list[Leaf], places: NDArray) -> packed.LightTree:
         Where light is wanted, relative to the volume's centre: what a cluster that surrounds a
         point sends there is estimated by what it sends to these on average.
     """
-    nodes = [_Node(leaf.seen_from(places), i) for i, leaf in enumerate(leaves)]
+    leaves = [leaf.seen_from(places) for leaf in leaves]
+    few = few_of([_values(leaf) for leaf in leaves], NOTHING)
+    return packed.LightSet(np.int32(len(leaves)), few, None if few else build_tree(leaves))
+
+
+def few_of(lights: list[Light], dark: Light) -> tuple[Light, ...] | None:
+    """The lights and dark ones, as many as kernels ask one by one; None where there are more.
+
+    Kernels are compiled for each of these lengths, not for each number of lights.
+    """
+    for length in FEW:
+        if len(lights) <= length:
+            return (*lights, *[dark] * (length - len(lights)))
+    return None
+
+
+def build_tree(leaves: list[Leaf]) -> packed.LightTree:
+    """Tree of all lights; those of one law are clustered by place or direction."""
+    nodes = [_Node(leaf, i) for i, leaf in enumerate(leaves)]
     groups = [[n for n in nodes if n.bounds.law == law] for law in (DECAYING, STEADY, DISTANT)]
     around = [n for n in nodes if n.bounds.law == AROUND]
     clusters = [_cluster(group) for group in groups if group] + around
@@ -201,18 +227,26 @@ def _flatten(root: _Node, lights: int) -> packed.LightTree:
         links[k][0] = len(rows)
 
     visit(root, -1)
-    bound = [(*row.centre, row.radius) for row in rows]
-    cone = [(*row.axis, _cosine(row.spread), math.cos(min(row.reach, math.pi))) for row in rows]
+    nodes = [_values(row) for row in rows]
     return packed.LightTree(
-        # Rounding must not let a ray slip past
-        np.ascontiguousarray(np.multiply(bound, (1, 1, 1, 1 + 1e-4)), f32),
-        np.ascontiguousarray(cone, f32),
-        np.array([row.flux for row in rows], f32),
-        np.array([row.within for row in rows], f32),
-        np.array([row.law for row in rows], np.int32),
+        np.array([(*node.centre, node.radius) for node in nodes]),
+        np.array([(*node.axis, node.spread, node.reach) for node in nodes]),
+        np.array([node.flux for node in nodes]),
+        np.array([node.within for node in nodes]),
+        np.array([node.law for node in nodes]),
         np.array(links, np.int32),
         leaf,
     )
+
+
+def _values(leaf: Leaf) -> packed.LightNode:
+    return packed.LightNode(
+        vector(leaf.centre),
+        # Rounding must not let a ray slip past
+        f32(leaf.radius * (1 + 1e-4)),
+        vector(leaf.axis), f32(_cosine(leaf.spread)), f32(math.cos(min(leaf.reach, math.pi))),
+        f32(leaf.flux), f32(leaf.within), np.int32(leaf.law),
+    )  # fmt: skip
 
 
 def _cosine(angle: float) -> float:

@@ -1,4 +1,4 @@
-"""Lights of a scene -> packed lights, with the tree that chooses among them."""
+"""Lights of a scene -> packed lights, and the set to choose from."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ..volume import Volume
 from .area_lights import Emitter, area_leaf, emitters_of, pack_area_lights
 from .delta_lights import delta_leaf, merged, pack_delta_lights
 from .environment import map_leaf, pack_ambient, pack_map
-from .light_tree import Leaf, build_tree
+from .light_tree import Leaf, pack_set
 
 # Of the volume along each axis
 PLACES = 3
@@ -30,7 +30,7 @@ class PackedLights:
     environment: packed.Environment | None
     area_lights: packed.AreaLights | None
     delta_lights: packed.DeltaLights | None
-    tree: packed.LightTree | None
+    all_lights: packed.LightSet | None
     choice: packed.LightChoice | None
     effects: tuple[Effect, ...]
     notes: tuple[str, ...]
@@ -68,7 +68,7 @@ def pack_lights(scene: Scene) -> PackedLights:
         environment,
         pack_area_lights(emitters, scene.volume),
         pack_delta_lights(deltas, scene),
-        build_tree(leaves, _places(scene.volume)) if emitters or choice else None,
+        pack_set(leaves, _places(scene.volume)) if emitters or choice else None,
         choice,
         _effects(scene, lights, ambient, environment, emitters, deltas, choice),
         (f"{added} lights coincide with another and were added to it",) if added else (),
