@@ -7,7 +7,7 @@ from scipy.ndimage import distance_transform_cdt
 
 import vtkmcvr.voxels
 from vtkmcvr.curves import Curve
-from vtkmcvr.kernels import stages
+from vtkmcvr.kernels import light_stages, stages, surface_stages
 from vtkmcvr.kernels.cpu import render_tile
 from vtkmcvr.kernels.grid import trilinear
 from vtkmcvr.kernels.jit import entry_point
@@ -191,9 +191,14 @@ def test_quantities_compile_nothing():
     kernels = [
         render_tile,
         walk_queue,
-        *(x for x in vars(stages).values() if isinstance(x, Launched)),
+        *(
+            stage
+            for module in (stages, surface_stages, light_stages)
+            for stage in vars(module).values()
+            if isinstance(stage, Launched)
+        ),
     ]
-    assert len(kernels) == 9
+    assert len(kernels) == 14
     lit = {"lights": (ConstantEnvironment(1.0),)}
 
     def signatures(*args, **options):

@@ -57,16 +57,16 @@ def fill(rays, queue):
 
 
 def at_once(medium, transfer, ratio, rays, queue, pool, out):
-    found = queue.found[: len(rays)]
+    found = queue.found[:, : len(rays)]
     fill(rays, queue)
     walk_queue(medium, transfer, np.bool_(False), np.float32(0), queue, pool)
-    out[:, :3] = found[:, [DISTANCE, FOUND_SCALAR, FOUND_SIGMA]]
+    out[:, :3] = found[[DISTANCE, FOUND_SCALAR, FOUND_SIGMA]].T
     # What delta tracking lets through
-    open_way = found[:, DISTANCE] < 0
-    np.testing.assert_array_equal(found[:, THROUGH], open_way)
+    open_way = found[DISTANCE] < 0
+    np.testing.assert_array_equal(found[THROUGH], open_way)
     fill(rays, queue)
     walk_queue(medium, transfer, np.bool_(True), ratio.roulette, queue, pool)
-    out[:, 3] = found[:, THROUGH]
+    out[:, 3] = found[THROUGH]
 
 
 def voxels(kind):
@@ -116,9 +116,7 @@ def test_rays_at_once_meet_what_they_meet_one_by_one(kind):
     rays = rays_through(packed.medium.values)
     expected, found = np.zeros((2, N, 4), np.float32)
     one_by_one(packed.medium, packed.transfer, RATIO, rays, expected)
-    at_once(
-        packed.medium, packed.transfer, RATIO, rays, new_queue(N + 16), new_pool(), found
-    )
+    at_once(packed.medium, packed.transfer, RATIO, rays, new_queue(N + 16), new_pool(), found)
     assert 0.2 < (expected[:, 0] >= 0).mean() < 0.95
     assert 0.05 < expected[:, 3].mean() < 0.9
     # What an escaped ray has met says nothing

@@ -22,7 +22,10 @@ if not config.DISABLE_JIT:
     from vtkmcvr.kernels.program import Due, program, run_steps, steps_of
     from vtkmcvr.kernels.room import LIVE, MOST, TAKEN, new_room
 
-ALL = {"begin", "walk_queue", "meet", "by_light", "shade", "by_scatter", "go_on", "expose"}
+ALL = {
+    "begin", "walk_queue", "meet", "face", "see", "by_light", "shade", "by_scatter", "collect",
+    "go_on", "leave", "expose",
+}  # fmt: skip
 WHOLE = everything(ConstantEnvironment(1.0), surface=Surface(gradient_factor=1.0), aovs=("albedo",))
 
 
@@ -47,14 +50,14 @@ def stages(some):
     [
         ({"shadow_reach": 0.0}, {"shade"}),
         ({"ratio_tracking": False}, set()),
-        ({"surface": None}, {"meet", "by_light", "by_scatter"}),
+        ({"surface": None}, {"by_light", "by_scatter"}),
         ({"lights": WHOLE.lights[:1]}, {"begin", "by_light", "by_scatter", "expose"}),
         ({"lights": (*WHOLE.lights, PointLight((9, 9, 9)))}, set()),
-        ({"scattering": "multiple"}, {"go_on"}),
+        ({"scattering": "multiple"}, {"go_on", "leave"}),
         ({"camera": replace(WHOLE.camera, lens=Lens(radius=0.1))}, {"begin"}),
-        ({"clip": (Plane((0, 0, 0), (1, 0, 0)),)}, {"begin", "meet", "shade"}),
+        ({"clip": (Plane((0, 0, 0), (1, 0, 0)),)}, {"begin", "meet", "face", "see", "shade"}),
         ({"aovs": ()}, {"expose"}),
-        ({"aovs": ("albedo", "normal")}, {"meet", "expose"}),
+        ({"aovs": ("albedo", "normal")}, {"see_normals", "expose"}),
     ],
     ids=lambda x: next(iter(x), "none") if isinstance(x, dict) else "",
 )
@@ -122,7 +125,9 @@ def test_what_is_kept_is_of_one_type():
     places, out = np.zeros(3, "S16"), np.full(2, 7.0)
     right(places, out)
     np.testing.assert_array_equal(out, (7, 3))
-    assert places[0] == places[2] == b""
+    # First numbers of all places, then second ones
+    np.testing.assert_array_equal(places.view(np.float64)[:3], (0, 7, 0))
+    np.testing.assert_array_equal(places.view(np.int64)[3:], (0, 3, 0))
     with pytest.raises(TypingError, match="is not kept as"):
         wrong(places, out)
     with pytest.raises(Exception, match="more than 16 bytes"):

@@ -65,49 +65,74 @@ def surface_probability(surface, alpha, magnitude):
 
 
 @device
+def surface_draw(surface, sigma_t, rng):
+    """Opacity of a collision, the variate that decides, and whether it may be by the surface.
+
+    Where a bound, P_brdf <= alpha (1 - exp(-25 g^3)), already says no, no gradient is asked for
+    (HC-20). Returns (alpha, xi, True or False, rng).
+    """
+    rng, xi = surface_variate(surface, rng)
+    alpha = surface_opacity(surface, sigma_t)
+    return alpha, xi, xi < surface_probability(surface, alpha, INFINITE), rng
+
+
+@device
+def surface_by_gradient(surface, alpha, xi, g, wo):
+    """Decide by the gradient whether a collision scatters by the BRDF. Returns (yes, normal).
+
+    Without a gradient there is no normal: the phase function takes over (HC-17); also for NaN.
+    """
+    magnitude = math.sqrt(dot(g, g))
+    if not magnitude > ZERO:
+        return False, NO_NORMAL
+    if xi >= surface_probability(surface, alpha, magnitude):
+        return False, NO_NORMAL
+    toward = -ONE if dot(g, wo) < ZERO else ONE
+    return True, scale(g, toward / magnitude)
+
+
+@device
 def surface_event(surface, medium, p, sigma_t, wo, rng):
     """Decide whether the collision at index position p scatters by the BRDF.
 
     Returns (True or False, normal, rng); the normal is on the side of wo. No gradient is fetched
-    where a bound, P_brdf <= alpha (1 - exp(-25 g^3)), already says no (HC-20); none exists without
-    `surface`. A cut face has the cut's normal and that bound, as the largest gradient has (HC-22).
+    where none is asked for; none exists without `surface`. A cut face has the cut's normal and the
+    bound's probability, as the largest gradient has (HC-22).
     """
     if surface is None:
         return False, NO_NORMAL, rng
-    rng, xi = surface_variate(surface, rng)
-    alpha = surface_opacity(surface, sigma_t)
-    if xi >= surface_probability(surface, alpha, INFINITE):
+    alpha, xi, maybe, rng = surface_draw(surface, sigma_t, rng)
+    if not maybe:
         return False, NO_NORMAL, rng
     on_face, face = cut_face(medium.clip, medium.holes, medium.regions, p, wo)
     if on_face:
         return True, face, rng
     g = gradient(medium.values, surface.world_from_index_gradient, p)
-    magnitude = math.sqrt(dot(g, g))
-    # Without a gradient there is no normal: the phase function takes over (HC-17); also for NaN
-    if not magnitude > ZERO:
-        return False, NO_NORMAL, rng
-    if xi >= surface_probability(surface, alpha, magnitude):
-        return False, NO_NORMAL, rng
+    yes, normal = surface_by_gradient(surface, alpha, xi, g, wo)
+    return yes, normal, rng
+
+
+@device
+def toward_camera(g, wo):
+    """Unit normal along a gradient, on the side of wo; 0 where there is none (HC-17)."""
+    square = dot(g, g)
+    if not square > ZERO:
+        return NO_NORMAL
     toward = -ONE if dot(g, wo) < ZERO else ONE
-    return True, scale(g, toward / magnitude), rng
+    return scale(g, toward / math.sqrt(square))
 
 
 @device
 def first_normal(normal_map, medium, v):
     """Unit normal of a vertex for the film, toward the camera, also where the volume scatters.
 
-    `normal_map` None: no gradient is fetched. 0 where there is none (HC-17).
+    `normal_map` None: no gradient is fetched.
     """
     if normal_map is None:
         return NO_NORMAL
     if v.on_surface:
         return v.normal
-    g = gradient(medium.values, normal_map.world_from_index_gradient, v.p)
-    square = dot(g, g)
-    if not square > ZERO:
-        return NO_NORMAL
-    toward = -ONE if dot(g, v.wo) < ZERO else ONE
-    return scale(g, toward / math.sqrt(square))
+    return toward_camera(gradient(medium.values, normal_map.world_from_index_gradient, v.p), v.wo)
 
 
 @device

@@ -17,8 +17,8 @@ from numba.core.typing.templates import AbstractTemplate, infer_global, signatur
 from numba.extending import intrinsic, register_model
 
 from .jit import device
+from .loops import WIDTH
 
-WIDTH = 16
 BIT, INT, LONG, FLOAT = ir.IntType(1), ir.IntType(32), ir.IntType(64), ir.FloatType()
 ELEMENTS = {"f32": FLOAT, "i32": INT, "u64": LONG, "bool": BIT}
 SCALARS = {"f32": types.float32, "i32": types.int32, "u64": types.uint64}

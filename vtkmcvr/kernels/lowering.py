@@ -1,6 +1,7 @@
 """Lowering of kernels to LLVM code: variables that are assigned once are values, not memory.
 
-And for kernels that take a scene: a way in that reads their arguments from a block of words.
+LLVM is told of loops what `loops` says. And kernels that take a scene get a way in that reads their
+arguments from a block of words.
 
 Numba gives every variable that is used in more than one block a place on the stack, to be loaded
 whole wherever it is read, and LLVM takes all of them apart again. For a scene, a tuple of hundreds
@@ -13,10 +14,12 @@ which makes values of variables that live in one block only, and `Lower.create_c
 from collections import Counter, defaultdict
 
 from llvmlite import ir as llvm
-from numba.core import analysis, ir
+from numba.core import analysis, ir, types
 from numba.core.compiler_machinery import register_pass
 from numba.core.lowering import Lower
 from numba.core.typed_passes import NativeLowering
+
+from .loops import apart, put_side_by_side, unroll
 
 
 class _LowerValues(Lower):
@@ -24,6 +27,41 @@ class _LowerValues(Lower):
         """Find the variables that can be values: assigned once, before every use."""
         self._singly_assigned_vars = assigned_before_use(self.blocks, ir.Assign, analysis)
         self._blk_local_varmap = {}
+
+    def lower_function_body(self):
+        """Lower the body, and tell LLVM what it does not see of its loops."""
+        self._lowered = {}
+        tail = super().lower_function_body()
+        cfg = analysis.compute_cfg_from_blocks(self.blocks)
+        for loop in cfg.loops().values():
+            jumps_back = [
+                self._lowered[label][-1].terminator
+                for label, _ in cfg.predecessors(loop.header)
+                if label in loop.body
+            ]
+            if any(self._is_apart(self.blocks[label]) for label in loop.body):
+                inside = [block for label in loop.body for block in self._lowered[label]]
+                put_side_by_side(self.module, jumps_back, inside)
+            elif self._is_over_tuple(self.blocks[loop.header]):
+                unroll(self.module, jumps_back)
+        return tail
+
+    def lower_block(self, block):
+        """Lower a block, and keep what it becomes: the last one ends in its jump."""
+        before = len(self.function.blocks)
+        [label] = [k for k, b in self.blocks.items() if b is block]
+        super().lower_block(block)
+        last = self.builder.basic_block
+        more = [b for b in self.function.blocks[before:] if b is not last]
+        self._lowered[label] = [self.blkmap[label], *more, last]
+
+    def _is_apart(self, block):
+        calls = (self.typeof(call.func.name) for call in block.find_exprs("call"))
+        return any(getattr(kind, "typing_key", None) is apart for kind in calls)
+
+    def _is_over_tuple(self, head):
+        steps = head.find_exprs("iternext")
+        return any(isinstance(self.typeof(x.value.name), types.UniTupleIter) for x in steps)
 
 
 def assigned_before_use(blocks, assign, analysis):
@@ -64,6 +102,11 @@ INT, LONG = llvm.IntType(32), llvm.IntType(64)
 
 
 class _LowerLaunched(_LowerValues):
+    def pre_lower(self):
+        """Begin a kernel, of which the way in would have a copy."""
+        self.function.attributes.add("noinline")
+        super().pre_lower()
+
     def create_cpython_wrapper(self, release_gil=False):
         """Make the way in, under the name of Numba's own: status of f(address of the words).
 
@@ -73,7 +116,6 @@ class _LowerLaunched(_LowerValues):
         module = self.context.create_module("way in")
         kind = self.context.call_conv.get_function_type(self.fndesc.restype, self.fndesc.argtypes)
         kernel = llvm.Function(module, kind, self.fndesc.llvm_func_name)
-        kernel.attributes.add("noinline")
         name = self.fndesc.llvm_cpython_wrapper_name
         way_in = llvm.Function(module, llvm.FunctionType(INT, [LONG.as_pointer()]), name)
         builder = llvm.IRBuilder(way_in.append_basic_block())

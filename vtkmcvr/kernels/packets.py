@@ -54,6 +54,7 @@ from .pool import (
     replace_ended,
     set_out,
     take,
+    to_walk,
 )  # fmt: skip
 from .rng import Stream, exponential, minus_logarithm, uniform, unit
 from .tracking import VIOLATED
@@ -238,8 +239,8 @@ def walk_queue(medium, transfer, by_ratio, roulette, queue, pool):
 
     A kernel by itself, for delta tracking and, with `by_ratio`, for ratio tracking.
     """
-    n = queue.size[0]
-    set_out(medium, queue, n)
+    set_out(medium, queue, queue.size[0])
+    n = to_walk(queue, queue.size[0])
     # Lanes without a ray compute too: the cells of an earlier walk may lie outside of this grid
     for row in range(3):
         for lane in range(POOL):

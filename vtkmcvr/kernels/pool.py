@@ -27,7 +27,7 @@ STATE, FLOATS = 16, 19
 # Rows of whole numbers: cell, and how far it has come
 CX, CY, CZ, STATUS = range(4)
 UNDER_WAY, COLLIDES, OUT = np.int32(0), np.int32(1), np.int32(2)
-# Columns of what a ray meets: as `tracking.walk` returns it
+# Rows of what a ray meets: as `tracking.walk` returns it
 DISTANCE, THROUGH, FOUND_SCALAR, FOUND_SIGMA = range(4)
 
 cell_of = over_lanes(first_cell)
@@ -45,12 +45,13 @@ class Pool(NamedTuple):
 
 
 class Queue(NamedTuple):
-    """Rays to walk, and what they meet."""
+    """Rays to walk, those that have any length, and what they meet."""
 
     floats: NDArray[np.float32]  # (STATE, n)
     cells: NDArray[np.int32]  # (3, n)
     counter: NDArray[np.uint64]  # (n,) of random numbers, before and after
-    found: NDArray[np.float32]  # (n, 4) columns below
+    found: NDArray[np.float32]  # (4, n) rows below
+    order: NDArray[np.int32]  # (n,) those to walk
     size: NDArray[np.int64]  # (1,) rays in it
 
 
@@ -67,19 +68,24 @@ def new_queue(n):
     """Queue with room for n rays, a multiple of `WIDTH`."""
     return Queue(
         np.zeros((STATE, n), np.float32), np.zeros((3, n), np.int32), np.zeros(n, np.uint64),
-        np.zeros((n, 4), np.float32), np.zeros(1, np.int64),
+        np.zeros((4, n), np.float32), np.zeros(n, np.int32), np.zeros(1, np.int64),
     )  # fmt: skip
 
 
 @device
 def enqueue(queue, k, o, d, length, tau, counter):
-    """Write ray number k: origin and direction in index coordinates, length in world units."""
+    """Write ray number k: origin and direction in index coordinates, length in world units.
+
+    One without length is not walked: it meets nothing, and all comes through.
+    """
     f = queue.floats
     f[OX, k], f[OY, k], f[OZ, k] = o
     f[DX, k], f[DY, k], f[DZ, k] = d
     f[END, k] = length
     f[TAU, k] = tau
     queue.counter[k] = counter
+    queue.found[DISTANCE, k] = ESCAPED
+    queue.found[THROUGH, k] = ONE
 
 
 @device
@@ -103,6 +109,16 @@ def set_out_along(medium, queue, k, axis, n):
 
 
 @device
+def to_walk(queue, n):
+    """Find those of n rays that have any length. Returns how many."""
+    count = 0
+    for k in range(n):
+        queue.order[count] = k
+        count += queue.floats[END, k] > ZERO
+    return count
+
+
+@device
 def set_out(medium, queue, n):
     """Put n rays of a queue at their starts."""
     cells = medium.majorant.shape
@@ -113,7 +129,8 @@ def set_out(medium, queue, n):
 
 @device
 def take(queue, k, pool, lane):
-    """Put ray number k of the queue into a lane of the pool."""
+    """Put the k-th ray that is to walk into a lane of the pool."""
+    k = queue.order[k]
     for row in range(T):
         pool.floats[row, lane] = queue.floats[row, k]
     pool.floats[T, lane] = ZERO
@@ -129,10 +146,10 @@ def write_found(queue, pool, lane, escaped):
     """Write what the ray of a lane has met."""
     k, f = pool.rays[lane], pool.floats
     queue.counter[k] = pool.counters[lane]
-    queue.found[k, DISTANCE] = ESCAPED if escaped else f[T, lane]
-    queue.found[k, THROUGH] = f[LEFT, lane]
-    queue.found[k, FOUND_SCALAR] = f[SCALAR, lane]
-    queue.found[k, FOUND_SIGMA] = f[SIGMA, lane]
+    queue.found[DISTANCE, k] = ESCAPED if escaped else f[T, lane]
+    queue.found[THROUGH, k] = f[LEFT, lane]
+    queue.found[FOUND_SCALAR, k] = f[SCALAR, lane]
+    queue.found[FOUND_SIGMA, k] = f[SIGMA, lane]
 
 
 @device

@@ -18,10 +18,12 @@ from numpy.typing import NDArray
 from .. import packed
 from .jit import kernel
 from .launch import Known, Launched, taken_apart
+from .light_stages import by_light, by_scatter, collect, go_on, shade
 from .packets import walk_queue
 from .pool import Queue
 from .room import COLUMN, COLUMN_0, COLUMN_1, LIVE, MOST, ROW, ROW_0, ROW_1, SAMPLE, TAKEN, Room
-from .stages import begin, by_light, by_scatter, expose, go_on, meet, shade
+from .stages import begin, expose, leave, meet
+from .surface_stages import face, see, see_normals
 
 INT, LONG = ir.IntType(32), ir.IntType(64)
 
@@ -33,8 +35,10 @@ BeginPart = namedtuple(
     "BeginPart", f"camera lens sobol backdrop medium {RECEIVERS} all_lights area_lights"
 )
 MeetPart = namedtuple(
-    "MeetPart", f"{VERTEX} {RECEIVERS} camera medium transfer surface normal_map more marching"
+    "MeetPart", f"{VERTEX} {RECEIVERS} camera medium transfer surface more marching"
 )
+FacePart = namedtuple("FacePart", "sobol surface medium")
+SeePart = namedtuple("SeePart", "normal_map medium")
 ByLightPart = namedtuple("ByLightPart", f"{VERTEX} {LIGHTS} delta_lights")
 ShadePart = namedtuple("ShadePart", f"sobol {RECEIVERS} medium shadows")
 ByScatterPart = namedtuple("ByScatterPart", f"{VERTEX} {LIGHTS} ambient")
@@ -76,6 +80,31 @@ def part(kind: type, scene: packed.Scene) -> tuple:
     return kind(*(getattr(scene, name) for name in kind._fields))
 
 
+def walked(scene: packed.Scene) -> tuple:
+    """All that the walk knows of a scene: it is one for many scenes."""
+    transfer = scene.transfer._replace(
+        colour_grid=None, emission=None, specular=None, exponent=None, phase=None
+    )
+    return scene.medium._replace(clip=None), transfer
+
+
+def with_material(scene: packed.Scene, room: Room) -> tuple[packed.Scene, Room]:
+    """What a stage takes that meets events: no material where there is but one."""
+    of_scalar = scene.transfer.specular, scene.transfer.exponent, scene.transfer.phase
+    if scene.receivers is not None or any(table is not None for table in of_scalar):
+        return scene, room
+    return scene._replace(gloss=None, phase=None), room._replace(material=None)
+
+
+def to_events(scene: packed.Scene, room: Room) -> Steps:
+    """Steps of events: what rays meet, and which of it are surfaces."""
+    without, even = with_material(scene, room)
+    steps: Steps = [(meet, (part(MeetPart, without._replace(surface=None)), even))]
+    if scene.surface is not None:
+        steps.append((face, (part(FacePart, scene), room)))
+    return steps
+
+
 def to_lights(scene: packed.Scene, walk: tuple, room: Room, queue: Queue) -> Steps:
     """Steps of shadow rays, which walk where anything can be in their way."""
     steps: Steps = [(shade, (part(ShadePart, scene), room, queue))]
@@ -92,24 +121,26 @@ def steps_of(
     film: packed.Film, scene: packed.Scene, due: Due, room: Room
 ) -> tuple[Steps, Steps, Steps]:
     """Stages and their arguments: of a batch, of each further event, of its end."""
-    medium = scene.medium._replace(clip=None)
-    transfer = scene.transfer._replace(
-        colour_grid=None, emission=None, specular=None, exponent=None, phase=None
-    )
-    # All that the walk knows of: it is one for many scenes
-    walk = medium, transfer
-    ahead: Steps = [
-        (walk_queue, (*walk, BY_DELTA, np.float32(0), room.first, room.pool)),
-        (meet, (part(MeetPart, scene), room)),
-        (by_light, (part(ByLightPart, scene), room)),
+    _, even = with_material(scene, room)
+    walk = walked(scene)
+    ahead: Steps = [(walk_queue, (*walk, BY_DELTA, np.float32(0), room.first, room.pool))]
+    events = to_events(scene, room)
+    seen = see if scene.normal_map is None else see_normals
+    lit: Steps = [
+        (by_light, (part(ByLightPart, scene), even)),
         *to_lights(scene, walk, room, room.second),
     ]
-    first: Steps = [(begin, (film.count, due, part(BeginPart, scene), room)), *ahead]
+    first: Steps = [
+        (begin, (film.count, due, part(BeginPart, scene), room)), *ahead, *events,
+        (seen, (part(SeePart, scene), room)), *lit,
+    ]  # fmt: skip
     last: Steps = [(expose, (film, part(FilmPart, scene), room))]
     if scene.scattering is None:
-        scatter = by_scatter, (part(ByScatterPart, scene), room)
+        scatter = by_scatter, (part(ByScatterPart, scene), even)
+        last.insert(0, (collect, (room,)))
         return [*first, scatter, *to_lights(scene, walk, room, room.first)], [], last
-    return first, [(go_on, (scene.scattering, part(GoOnPart, scene), room)), *ahead], last
+    onward = go_on, (scene.scattering, part(GoOnPart, scene), even)
+    return first, [onward, *ahead, (leave, (room,)), *events, *lit], last
 
 
 def program(film: packed.Film, scene: packed.Scene, due: Due, room: Room, known: Known) -> Program:

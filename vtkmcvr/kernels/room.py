@@ -7,6 +7,8 @@ from numpy.typing import NDArray
 
 from ..packed import Sobol
 from .jit import device
+from .kept import keep, kept
+from .lanes import WIDTH
 from .pool import (
     DISTANCE,
     FOUND_SCALAR,
@@ -20,42 +22,47 @@ from .pool import (
     ray_of,
 )  # fmt: skip
 from .rng import Stream, stratified_exponential
-from .scatter import blank_vertex
+from .scatter import blank_vertex, of_material
 from .vec import BLACK, add, at
 
 f32, f64, i32, i64 = np.float32, np.float64, np.int32, np.int64
-ZERO, ONE = f32(0.0), f32(1.0)
+ZERO = f32(0.0)
 NOWHERE = (ZERO, ZERO, ZERO)
-# Not Python's own 0, for which Numba would compile each function that takes it once more
-NO_RAYS = i64(0)
 # Paths in step: as many as leave their state in the level 2 cache
 PATHS = 2048
-# Instead of a ray's number: nothing is in the way; nothing comes through; the path has ended, or it
-# has met nothing at all
-CLEAR, HIDDEN, ENDED, MISSED = i32(-1), i32(-2), i32(-3), i32(-4)
 # Numbers that all stages share: the tile; the sample that may be due next; paths, and those of them
 # that go on; events that they have had, and how many they may have
 ROW_0, ROW_1, COLUMN_0, COLUMN_1, ROW, COLUMN, SAMPLE, TAKEN, LIVE, EVENTS, MOST = range(11)
 
 
 class Room(NamedTuple):
-    """Room for paths in step."""
+    """Room for paths in step.
+
+    Paths that go on have places without a gap. Stages take `WIDTH` at a time: places up to the next
+    multiple hold copies of other paths, which add to no picture.
+    """
 
     numbers: NDArray[np.int64]  # (MOST + 1,)
-    sample: NDArray[np.int64]  # (PATHS, 3) row, column, number of the sample
-    random: NDArray[np.uint64]  # (PATHS, 4) state of the random numbers
-    live: NDArray[np.int32]  # (PATHS,) paths that go on, `numbers[LIVE]` of them
-    ray: NDArray[np.int32]  # (PATHS,) number in the queue, or CLEAR, HIDDEN, ENDED or MISSED
-    radiance: NDArray[np.float32]  # (PATHS, 3) so far
-    throughput: NDArray[np.float32]  # (PATHS, 3) of the ray under way
-    met: NDArray[np.float32]  # (PATHS, 3) radiance that it brings if it meets nothing on its way
-    drawn: NDArray[np.float32]  # (PATHS, 3) radiance that a light brings if nothing is in the way
-    # (PATHS,) of bytes, as `kept` reads them
-    ahead: NDArray  # where a camera ray ends
+    # Of every path of the batch; a last column is that of copies
+    sample: NDArray[np.int64]  # (3, PATHS) row, column, number of the sample
+    radiance: NDArray[np.float32]  # (3, PATHS + 1) so far
+    missed: NDArray[np.bool_]  # (PATHS,) whether the camera ray has met nothing
+    ahead: NDArray  # (PATHS,) camera ray, and where it ends
+    seen: NDArray  # (PATHS + 1,) what the camera sees
+    # Of every path that goes on, by place
+    path: NDArray[np.int32]  # (PATHS,) number in the batch
+    before: NDArray[np.int32]  # (PATHS,) place before the last event
+    random: NDArray[np.uint64]  # (4, PATHS) state of the random numbers
+    throughput: NDArray[np.float32]  # (3, PATHS) of the ray under way
+    met: NDArray[np.float32]  # (3, PATHS) radiance that it brings if it meets nothing on its way
+    drawn: NDArray[np.float32]  # (3, PATHS) radiance that a light brings if nothing is in the way
+    gradient: NDArray[np.float32]  # (3, PATHS) index position where it is wanted; then gradient
+    chance: NDArray[np.float32]  # (2, PATHS) opacity, -1 where no gradient is wanted; variate
+    # (PATHS,) as `kept` reads them
     under_way: NDArray  # ray
-    vertex: NDArray
+    event: NDArray  # scattering point, but for its material
+    material: NDArray | None  # None: that of the scene everywhere
     shadow: NDArray  # ray toward a light
-    seen: NDArray  # what the camera sees
     # A stage reads what the rays of the one before have met, and queues its own
     first: Queue
     second: Queue
@@ -64,13 +71,23 @@ class Room(NamedTuple):
 
 def new_room():
     """Room for a thread."""
-    places = (np.zeros(PATHS, f"S{size}") for size in (64, 64, 192, 64, 64))
+    ahead, under_way, event, material, shadow = (
+        np.zeros(PATHS, f"S{size}") for size in (80, 64, 96, 32, 40)
+    )
     return Room(
-        np.zeros(MOST + 1, np.int64), np.zeros((PATHS, 3), np.int64),
-        np.zeros((PATHS, 4), np.uint64), np.zeros(PATHS, np.int32), np.zeros(PATHS, np.int32),
-        *(np.zeros((PATHS, 3), np.float32) for _ in range(4)), *places, new_queue(PATHS),
-        new_queue(PATHS), new_pool(),
+        np.zeros(MOST + 1, np.int64), np.zeros((3, PATHS), np.int64),
+        np.zeros((3, PATHS + 1), np.float32), np.zeros(PATHS, np.bool_), ahead,
+        np.zeros(PATHS + 1, "S32"),
+        np.zeros(PATHS, np.int32), np.zeros(PATHS, np.int32), np.zeros((4, PATHS), np.uint64),
+        *(np.zeros((k, PATHS), np.float32) for k in (3, 3, 3, 3, 2)), under_way, event,
+        material, shadow, new_queue(PATHS), new_queue(PATHS), new_pool(),
     )  # fmt: skip
+
+
+@device
+def whole(n):
+    """N up to the next multiple of `WIDTH`."""
+    return (n + i64(WIDTH - 1)) & i64(-WIDTH)
 
 
 # Random numbers
@@ -79,67 +96,62 @@ def new_room():
 @device
 def keep_random(net, room, i, rng):
     """Keep the random numbers of path i; `net` is that of `rng`."""
-    room.random[i, 0] = rng.counter
+    room.random[0, i] = rng.counter
     if net is not None:
-        room.random[i, 1], room.random[i, 2] = net.key, net.place
-        room.random[i, 3] = np.uint64(net.sets)
+        room.random[1, i], room.random[2, i] = net.key, net.place
+        room.random[3, i] = np.uint64(net.sets)
 
 
 @device
 def random_of(sobol, room, i):
     """Random numbers of path i, in a scene with or without Sobol points."""
     if sobol is None:
-        return Stream(room.random[i, 0], sobol)
-    net = Sobol(room.random[i, 1], room.random[i, 2], i64(room.random[i, 3]))
-    return Stream(room.random[i, 0], net)
+        return Stream(room.random[0, i], sobol)
+    net = Sobol(room.random[1, i], room.random[2, i], i64(room.random[3, i]))
+    return Stream(room.random[0, i], net)
 
 
 # Rays
 
 
 @device
-def set_off(room, queue, i, rays, o, d, length, rng):
-    """Queue the ray of path i, if it has any length. Returns (rays in the queue, rng)."""
-    room.ray[i] = CLEAR
-    if not length > ZERO:
-        return rays, rng
-    rng, tau = stratified_exponential(rng)
-    enqueue(queue, rays, o, d, length, tau, rng.counter)
-    room.ray[i] = rays
-    return rays + 1, rng
+def set_off(queue, i, o, d, length, rng):
+    """Queue the ray of path i, if it has any length. Returns rng."""
+    after, tau = stratified_exponential(rng)
+    walks = length > ZERO
+    rng = after if walks else rng
+    enqueue(queue, i, o, d, length if walks else ZERO, tau, rng.counter)
+    return rng
 
 
 @device
 def after_walk(sobol, room, queue, i):
     """Random numbers of path i after its walk."""
-    k = room.ray[i]
-    if k >= 0:
-        room.random[i, 0] = queue.counter[k]
-    return random_of(sobol, room, i)
+    rng = random_of(sobol, room, i)
+    return Stream(queue.counter[i], rng.net)
 
 
 @device
-def collision(room, queue, i, enter):
+def collision(queue, i, enter):
     """First collision of path i: (t, index position, scalar, sigma_t); t < 0 without one."""
-    k = room.ray[i]
-    t, p, scalar, sigma_t = -1.0, NOWHERE, ZERO, ZERO
-    if k >= 0:
-        found = queue.found
-        walked = found[k, DISTANCE]
-        if walked >= ZERO:
-            o, d = ray_of(queue, k)
-            t, p = enter + f64(walked), at(o, d, walked)
-            scalar, sigma_t = found[k, FOUND_SCALAR], found[k, FOUND_SIGMA]
-    return t, p, scalar, sigma_t
+    found = queue.found
+    walked = found[DISTANCE, i]
+    o, d = ray_of(queue, i)
+    t = enter + f64(walked) if walked >= ZERO else -1.0
+    return t, at(o, d, walked), found[FOUND_SCALAR, i], found[FOUND_SIGMA, i]
 
 
 @device
-def passed(room, queue, i):
+def passed(queue, i):
     """Transmittance of the shadow ray of path i."""
-    k = room.ray[i]
-    if k < 0:
-        return ONE if k == CLEAR else ZERO
-    return queue.found[k, THROUGH]
+    return queue.found[THROUGH, i]
+
+
+@device
+def meets(room, i):
+    """Whether the ray under way of path i meets something."""
+    _, _, receiver, _, _, _ = kept(room.under_way, i, no_ray())
+    return room.first.found[DISTANCE, i] >= ZERO or receiver >= 0
 
 
 # Colours
@@ -147,19 +159,19 @@ def passed(room, queue, i):
 
 @device
 def colour_of(colours, i):
-    """Row i of an array (n, 3)."""
-    return colours[i, 0], colours[i, 1], colours[i, 2]
+    """Column i of an array (3, n)."""
+    return colours[0, i], colours[1, i], colours[2, i]
 
 
 @device
 def set_colour(colours, i, colour):
-    """Write row i of an array (n, 3)."""
-    colours[i, 0], colours[i, 1], colours[i, 2] = colour
+    """Write column i of an array (3, n)."""
+    colours[0, i], colours[1, i], colours[2, i] = colour
 
 
 @device
 def add_light(room, i, light):
-    """Add to what path i sends to the camera."""
+    """Add to what path number i of the batch sends to the camera."""
     set_colour(room.radiance, i, add(colour_of(room.radiance, i), light))
 
 
@@ -168,8 +180,8 @@ def add_light(room, i, light):
 
 @device
 def no_end():
-    """Direction of a camera ray, where it ends, light that it meets and the distance to it."""
-    return NOWHERE, (0.0, i32(0), i32(0), i32(0)), i32(-1), ZERO
+    """Camera ray, where it ends, light that it meets and the distance to it."""
+    return (0.0, 0.0, 0.0), NOWHERE, (0.0, i32(0), i32(0), i32(0)), i32(-1), ZERO
 
 
 @device
@@ -182,9 +194,46 @@ def no_ray():
 
 
 @device
-def no_vertex(gloss, phase):
-    """Scattering point."""
-    return blank_vertex(gloss, phase, NOWHERE, NOWHERE, NOWHERE)
+def no_event():
+    """Scattering point as of a medium without gloss or phase function, and the distance to it."""
+    return blank_vertex(None, None, NOWHERE, NOWHERE, NOWHERE), 0.0
+
+
+@device
+def no_material(gloss, phase):
+    """Gloss and phase function of a scattering point."""
+    v = blank_vertex(gloss, phase, NOWHERE, NOWHERE, NOWHERE)
+    return v.gloss, v.phase
+
+
+@device
+def keep_material(material, i, gloss, phase, v):
+    """Keep the material of a scattering point, if it is not the same everywhere."""
+    if material is not None:
+        keep(material, i, (v.gloss, v.phase), no_material(gloss, phase))
+
+
+@device
+def material_of(material, i, gloss, phase):
+    """Material of the scattering point of path i: the scene's, or its own."""
+    if material is None:
+        return gloss, phase
+    return kept(material, i, no_material(gloss, phase))
+
+
+@device
+def keep_vertex(room, i, gloss, phase, v, t):
+    """Keep the scattering point of path i, at distance t; gloss and phase are the scene's."""
+    keep(room.event, i, (of_material(v, None, None), t), no_event())
+    keep_material(room.material, i, gloss, phase, v)
+
+
+@device
+def vertex_of(room, i, gloss, phase):
+    """Scattering point of path i."""
+    v, _ = kept(room.event, i, no_event())
+    gloss, phase = material_of(room.material, i, gloss, phase)
+    return of_material(v, gloss, phase)
 
 
 @device

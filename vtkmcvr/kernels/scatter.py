@@ -74,6 +74,18 @@ def blank_vertex(gloss, phase, x, p, wo):
 
 
 @device
+def faced(v, on_surface, normal):
+    """Vertex v, of a surface or not."""
+    return Vertex(v.x, v.p, v.wo, on_surface, normal, v.albedo, v.emitted, v.gloss, v.phase)
+
+
+@device
+def of_material(v, gloss, phase):
+    """Vertex v, of another material."""
+    return Vertex(v.x, v.p, v.wo, v.on_surface, v.normal, v.albedo, v.emitted, gloss, phase)
+
+
+@device
 def receiver_gloss(gloss, receivers, index):
     """Coat of a receiver."""
     if gloss is None:

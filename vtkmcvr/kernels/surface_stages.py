@@ -1,0 +1,101 @@
+"""Stages of paths in step that ask for gradients: which events are by a surface, what is seen.
+
+Gradients are looked up in lanes, for all paths at once.
+"""
+
+import numpy as np
+
+from .brdf import surface_by_gradient, surface_draw, toward_camera
+from .cut_faces import cut_face
+from .grid import gradient, slope, trilinear
+from .jit import device, launched
+from .kept import keep, kept
+from .lanes_memory import load, store
+from .loops import WIDTH, apart
+from .over_lanes import over_lanes
+from .pool import DISTANCE, FOUND_SIGMA
+from .room import (
+    LIVE,
+    PATHS,
+    colour_of,
+    keep_random,
+    no_event,
+    nothing_seen,
+    random_of,
+    set_colour,
+    whole,
+)
+from .scatter import faced
+from .vec import BLACK
+
+ZERO, ONE = np.float32(0.0), np.float32(1.0)
+
+trilinear = over_lanes(trilinear)
+slope = over_lanes(slope)
+gradient = over_lanes(gradient)
+
+
+@device
+def fetch_gradients(medium, world_from_index_gradient, room):
+    """Gradient of every path, where its room has an index position."""
+    rows = room.gradient
+    for i in range(0, whole(room.numbers[LIVE]), WIDTH):
+        p = load(rows, i), load(rows, PATHS + i), load(rows, 2 * PATHS + i)
+        x, y, z = gradient(medium.values, world_from_index_gradient, p)
+        store(rows, i, x)
+        store(rows, PATHS + i, y)
+        store(rows, 2 * PATHS + i, z)
+
+
+@launched
+def face(scene, room):
+    """Which collisions are by the surface: `brdf.surface_event`, of all at once."""
+    surface, medium = scene.surface, scene.medium
+    for i in range(whole(room.numbers[LIVE])):
+        apart()
+        v, _ = kept(room.event, i, no_event())
+        k = room.before[i]
+        rng = random_of(scene.sobol, room, i)
+        alpha, xi, maybe, after = surface_draw(surface, room.first.found[FOUND_SIGMA, k], rng)
+        in_medium = room.first.found[DISTANCE, k] >= ZERO
+        wanted = in_medium and maybe
+        rng = after if in_medium else rng
+        keep_random(rng.net, room, i, rng)
+        room.chance[0, i], room.chance[1, i] = alpha if wanted else -ONE, xi
+        # What nobody asks for is looked up where it is in the cache
+        set_colour(room.gradient, i, v.p if wanted else BLACK)
+    fetch_gradients(medium, surface.world_from_index_gradient, room)
+    for i in range(whole(room.numbers[LIVE])):
+        apart()
+        v, t = kept(room.event, i, no_event())
+        alpha, xi, g = room.chance[0, i], room.chance[1, i], colour_of(room.gradient, i)
+        yes, normal = surface_by_gradient(surface, alpha, xi, g, v.wo)
+        on_cut, outward = cut_face(medium.clip, None, None, v.p, v.wo)
+        normal = outward if on_cut else normal
+        if alpha >= ZERO:
+            v = faced(v, yes or on_cut, normal)
+        keep(room.event, i, (v, t), no_event())
+
+
+@launched
+def see(scene, room):
+    """What the camera sees: the first event."""
+    for i in range(whole(room.numbers[LIVE])):
+        apart()
+        v, t = kept(room.event, i, no_event())
+        keep(room.seen, room.path[i], (v.albedo, BLACK, t), nothing_seen())
+
+
+@launched
+def see_normals(scene, room):
+    """What the camera sees: the first event, and `brdf.first_normal` there."""
+    for i in range(whole(room.numbers[LIVE])):
+        apart()
+        v, _ = kept(room.event, i, no_event())
+        set_colour(room.gradient, i, BLACK if v.on_surface else v.p)
+    fetch_gradients(scene.medium, scene.normal_map.world_from_index_gradient, room)
+    for i in range(whole(room.numbers[LIVE])):
+        apart()
+        v, t = kept(room.event, i, no_event())
+        normal = v.normal if v.on_surface else toward_camera(colour_of(room.gradient, i), v.wo)
+        keep(room.seen, room.path[i], (v.albedo, normal, t), nothing_seen())
