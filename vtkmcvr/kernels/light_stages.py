@@ -107,7 +107,7 @@ def go_on(scattering, scene, room):
         # A path that has ended sends a ray without length, which brings nothing
         ends = largest(throughput) <= ZERO
         set_colour(room.throughput, i, BLACK if ends else throughput)
-        set_colour(room.met, i, met)
+        set_colour(room.met, i, BLACK if ends else met)
         d_index = wide(transform(scene.medium.index_from_world, wi))
         limit = 0.0 if ends else f64(distance)
         send(scene, room, i, wide(v.x), wi, wide(v.p), d_index, 0.0, limit, rng)

@@ -40,6 +40,11 @@ def _distinct(module, operands=()):
     return _Distinct(module, operands, str(len(module.metadata)))
 
 
+def accesses(module: ir.Module) -> ir.MDValue:
+    """Name for accesses of memory that have nothing to do with those of another turn."""
+    return _distinct(module)
+
+
 def _fact(module, name, *values):
     return module.add_metadata([ir.MetaDataString(module, name), *values])
 
@@ -51,12 +56,12 @@ def _tell(module, backs, facts):
         jump.set_metadata("llvm.loop", loop)
 
 
-def put_side_by_side(module: ir.Module, backs: Iterable, blocks: Iterable) -> None:
+def put_side_by_side(module: ir.Module, group: ir.MDValue, backs: Iterable, blocks: Iterable):
     """Have LLVM run the turns of a loop in lanes.
 
-    `backs` are the jumps back to its head, `blocks` all that it is made of.
+    `backs` are the jumps back to its head, `blocks` all that it is made of. `group` is the kernel's
+    own `accesses`: LLVM may make one access of those of several loops.
     """
-    group = _distinct(module)
     facts = [
         _fact(module, "llvm.loop.parallel_accesses", group),
         _fact(module, "llvm.loop.vectorize.width", ir.Constant(INT, WIDTH)),

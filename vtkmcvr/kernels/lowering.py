@@ -19,7 +19,7 @@ from numba.core.compiler_machinery import register_pass
 from numba.core.lowering import Lower
 from numba.core.typed_passes import NativeLowering
 
-from .loops import apart, put_side_by_side, unroll
+from .loops import accesses, apart, put_side_by_side, unroll
 
 
 class _LowerValues(Lower):
@@ -32,7 +32,7 @@ class _LowerValues(Lower):
         """Lower the body, and tell LLVM what it does not see of its loops."""
         self._lowered = {}
         tail = super().lower_function_body()
-        cfg = analysis.compute_cfg_from_blocks(self.blocks)
+        cfg, group = analysis.compute_cfg_from_blocks(self.blocks), None
         for loop in cfg.loops().values():
             jumps_back = [
                 self._lowered[label][-1].terminator
@@ -41,7 +41,8 @@ class _LowerValues(Lower):
             ]
             if any(self._is_apart(self.blocks[label]) for label in loop.body):
                 inside = [block for label in loop.body for block in self._lowered[label]]
-                put_side_by_side(self.module, jumps_back, inside)
+                group = group or accesses(self.module)
+                put_side_by_side(self.module, group, jumps_back, inside)
             elif self._is_over_tuple(self.blocks[loop.header]):
                 unroll(self.module, jumps_back)
         return tail

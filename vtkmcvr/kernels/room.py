@@ -56,8 +56,9 @@ class Room(NamedTuple):
     throughput: NDArray[np.float32]  # (3, PATHS) of the ray under way
     met: NDArray[np.float32]  # (3, PATHS) radiance that it brings if it meets nothing on its way
     drawn: NDArray[np.float32]  # (3, PATHS) radiance that a light brings if nothing is in the way
+    chance: NDArray[np.float32]  # (2, PATHS) opacity, -1 where no gradient is asked for; variate
+    asking: NDArray[np.int32]  # (PATHS,) places that ask for a gradient
     gradient: NDArray[np.float32]  # (3, PATHS) index position where it is wanted; then gradient
-    chance: NDArray[np.float32]  # (2, PATHS) opacity, -1 where no gradient is wanted; variate
     # (PATHS,) as `kept` reads them
     under_way: NDArray  # ray
     event: NDArray  # scattering point, but for its material
@@ -79,8 +80,9 @@ def new_room():
         np.zeros((3, PATHS + 1), np.float32), np.zeros(PATHS, np.bool_), ahead,
         np.zeros(PATHS + 1, "S32"),
         np.zeros(PATHS, np.int32), np.zeros(PATHS, np.int32), np.zeros((4, PATHS), np.uint64),
-        *(np.zeros((k, PATHS), np.float32) for k in (3, 3, 3, 3, 2)), under_way, event,
-        material, shadow, new_queue(PATHS), new_queue(PATHS), new_pool(),
+        *(np.zeros((k, PATHS), np.float32) for k in (3, 3, 3, 2)), np.zeros(PATHS, np.int32),
+        np.zeros((3, PATHS), np.float32), under_way, event, material, shadow, new_queue(PATHS),
+        new_queue(PATHS), new_pool(),
     )  # fmt: skip
 
 
