@@ -63,7 +63,7 @@ def evenly(planned):
     lights = planned.packed.all_lights
     if lights.few is not None:
         even = tuple(
-            node._replace(flux=np.float32(i < lights.count), law=np.int32(3))
+            node._replace(flux=np.float32(i < lights.number), law=np.int32(3))
             for i, node in enumerate(lights.few)
         )
         return replace(

@@ -108,7 +108,7 @@ def contributions(choice, lights, area, delta, environment, x, on_surface, norma
     From all lights, or from the light `only` alone.
     """
     out = np.empty((n, 2), f32)
-    count, one = area.count, f32(1)
+    count, one = area.number, f32(1)
     for k in range(n):
         rng = start(seed, k, 0)
         if only < 0:
@@ -117,7 +117,7 @@ def contributions(choice, lights, area, delta, environment, x, on_surface, norma
             )
         elif only < count:
             light, _ = sample_area_light(area, only, one, x, rng)
-        elif only < lights.count - 1:
+        elif only < lights.number - 1:
             light = delta_sample(delta, only - count, one, x)
         else:
             light, _ = sample_map(environment, one, rng)
@@ -141,7 +141,7 @@ def nearest_of_all(area, o, directions):
     for k in range(len(directions)):
         d = (directions[k, 0], directions[k, 1], directions[k, 2])
         best, index = INFINITE, -1
-        for i in range(area.count):
+        for i in range(area.number):
             light = area_light(area.few, area.many, i)
             t = area_light_distance(area.shapes, light, o, d)
             if t < best:
@@ -165,7 +165,7 @@ def places(n, seed=7):
 
 def test_chances_of_all_lights_sum_to_one(packed):
     # But for clusters that may reach x, of which no light does
-    n, full = packed.all_lights.count, 0
+    n, full = packed.all_lights.number, 0
     for x, on_surface, normal in places(200):
         total = chances(packed.all_lights, x, on_surface, normal, n).sum()
         _, chance = choices(packed.all_lights, x, on_surface, normal, SEED, 1000)
@@ -179,7 +179,7 @@ def test_chances_of_all_lights_sum_to_one(packed):
 
 @pytest.mark.parametrize("on_surface", [False, True])
 def test_lights_are_chosen_as_often_as_is_said(packed, on_surface):
-    n, draws = packed.all_lights.count, 100_000
+    n, draws = packed.all_lights.number, 100_000
     for x, _, normal in places(8):
         expected = chances(packed.all_lights, x, on_surface, normal, n).astype(float)
         found, chance = choices(packed.all_lights, x, on_surface, normal, SEED, draws)
@@ -200,7 +200,7 @@ def sent(p, x, on_surface, normal, only=-1, n=200):
 
 
 def test_whatever_sends_light_is_estimated_to_do_so(packed):
-    n, found = packed.all_lights.count, 0
+    n, found = packed.all_lights.number, 0
     for x, on_surface, normal in places(30):
         estimate = estimates(packed.all_lights.tree, x, on_surface, normal, n)
         for i in range(n):
@@ -259,7 +259,7 @@ def moments(light):
 def compare(packed, x, on_surface, normal, n=100_000):
     """Mean and variance with the tree; the same for the sum over all lights chosen evenly."""
     mean, variance = moments(sent(packed, x, on_surface, normal, n=n))
-    count = packed.all_lights.count
+    count = packed.all_lights.number
     alone = [moments(sent(packed, x, on_surface, normal, i, n // 10)) for i in range(count)]
     total = sum(m for m, _ in alone)
     even = count * sum(v + m * m for m, v in alone) - total**2

@@ -207,14 +207,14 @@ def light_chance(lights, i, x, on_surface, normal):
     if lights is None:
         return ZERO
     share = share_of(lights.few, lights.tree, i, x, on_surface, normal)
-    return (ONE - EVEN_SHARE) * share + EVEN_SHARE / f32(lights.count)
+    return (ONE - EVEN_SHARE) * share + EVEN_SHARE / f32(lights.number)
 
 
 @device
 def choose_light(lights, x, on_surface, normal, rng):
     """One light by estimated contribution. Returns (index, probability or 0, rng)."""
     rng, u = stratified(rng)
-    n = lights.count
+    n = lights.number
     if u < EVEN_SHARE:
         i = min(i32(u / EVEN_SHARE * f32(n)), i32(n - 1))
         return i, light_chance(lights, i, x, on_surface, normal), rng

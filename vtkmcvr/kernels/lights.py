@@ -251,7 +251,7 @@ def count_area_lights(lights):
     """Number of area lights; they come first in the light list."""
     if lights is None:
         return i32(0)
-    return lights.count
+    return lights.number
 
 
 @device

@@ -89,7 +89,7 @@ class AreaLights(NamedTuple):
     A few are values, for which kernels read no memory; black ones make up their number.
     """
 
-    count: np.int32
+    number: np.int32
     few: tuple[AreaLight, ...] | None
     many: LightRows | None
     shapes: Shapes
@@ -143,7 +143,7 @@ class LightSet(NamedTuple):
     Of a few, each is asked; black ones make up their number.
     """
 
-    count: np.int32
+    number: np.int32
     few: tuple[LightNode, ...] | None
     tree: LightTree | None
 

@@ -18,7 +18,9 @@ from .light_tree import DECAYING, LUMINANCE, Leaf, few_of
 KINDS = ("rectangle", "disk", "sphere", "cylinder")
 _NOWHERE = (f32(0), f32(0), f32(0))
 # A rectangle that no ray meets
-NOTHING = packed.AreaLight(np.int32(0), *[_NOWHERE] * 6, two_sided=np.False_, visible=np.False_)
+NOTHING = packed.AreaLight(
+    np.int32(0), _NOWHERE, _NOWHERE, _NOWHERE, _NOWHERE, _NOWHERE, _NOWHERE, np.False_, np.False_
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,10 +80,11 @@ def pack_area_lights(emitters: list[Emitter], volume: Volume) -> packed.AreaLigh
 
 def _values(emitter: Emitter, volume: Volume) -> packed.AreaLight:
     patch = emitter.patch
+    u, v, w = (vector(axis) for axis in patch.axes)
     return packed.AreaLight(
-        np.int32(KINDS.index(patch.kind)), vector(patch.centre - volume.centre),
-        *map(vector, patch.axes), vector(np.asarray(patch.size)), vector(emitter.radiance),
-        np.bool_(emitter.two_sided), np.bool_(emitter.visible),
+        np.int32(KINDS.index(patch.kind)), vector(patch.centre - volume.centre), u, v, w,
+        vector(np.asarray(patch.size)), vector(emitter.radiance), np.bool_(emitter.two_sided),
+        np.bool_(emitter.visible),
     )  # fmt: skip
 
 
