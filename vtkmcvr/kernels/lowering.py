@@ -8,7 +8,8 @@ whole wherever it is read, and LLVM takes all of them apart again. For a scene, 
 of numbers that is read everywhere, this is most of its work.
 
 This leans on parts of Numba that it does not document: `Lower._find_singly_assigned_variable`,
-which makes values of variables that live in one block only, and `Lower.create_cpython_wrapper`.
+which makes values of variables that live in one block only, `Lower.lower_function_body` and
+`lower_block`, and `Lower.create_cpython_wrapper`.
 """
 
 from collections import Counter, defaultdict
