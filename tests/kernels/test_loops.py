@@ -100,9 +100,9 @@ LIT = {
     "constant environment and two lamps": (ConstantEnvironment(1.0), *LAMPS),
     "map and lamp": (EnvironmentMap(np.ones((4, 8, 3))), LAMPS[0]),
 }
-# Those that are loops over paths; the walk has lanes of its own, and a film takes one at a time
-LOOPS = {"begin", "meet", "face", "see", "see_normals", "by_light", "shade", "by_scatter",
-         "collect", "go_on", "leave"}  # fmt: skip
+# Those that are loops over paths and compute; the walk has lanes of its own, a film takes one path
+# at a time, and what the camera sees is only copied
+LOOPS = {"begin", "meet", "face", "by_light", "shade", "by_scatter", "collect", "go_on", "leave"}
 
 
 @pytest.mark.slow
@@ -120,4 +120,4 @@ def test_stages_go_in_lanes(name, scattering):
             if name in LOOPS:
                 steps[name] = goes_in_lanes(stage, *arguments)
     assert [name for name, lanes in steps.items() if lanes is False] == []
-    assert sum(lanes is True for lanes in steps.values()) >= 7
+    assert sum(lanes is True for lanes in steps.values()) >= 6
