@@ -61,8 +61,8 @@ class EnvironmentMap(Light):
     Parameters
     ----------
     pixels : array (rows, columns, 3)
-        Radiance in latitude-longitude form, row 0 toward local +y; column x of n looks along local
-        (sin phi, 0, -cos phi) with phi = 2 pi (x + 1/2) / n.
+        Radiance in latitude-longitude form, at most 131072 rows and columns; row 0 toward local
+        +y, column x of n looks along local (sin phi, 0, -cos phi) with phi = 2 pi (x + 1/2) / n.
     scale : float
         Factor on the radiance, >= 0.
     rotation : array (3, 3), optional
